@@ -1,0 +1,94 @@
+// What the rest of the house knows of a scene: closed triangle meshes in world space (metres), what they are made of,
+// what lights them and who looks at them. Made by load_scene() from glTF 2.0 (load.h); nothing here knows a file format.
+#pragma once
+
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace alabaster {
+
+/// Triangles in world space, counter-clockwise seen from outside.
+struct Mesh {
+  std::vector<glm::vec3> positions;   // m
+  std::vector<glm::uvec3> triangles;  // indices into positions
+};
+
+struct Bounds {
+  glm::vec3 low{INFINITY}, high{-INFINITY};  // m
+  void add(glm::vec3 p) { low = glm::min(low, p), high = glm::max(high, p); }
+  glm::vec3 size() const { return high - low; }
+  glm::vec3 centre() const { return 0.5f * (low + high); }
+};
+Bounds bounds_of(const Mesh& mesh);
+
+/// A regular grid of values at cell centres (Mitsuba .vol layout: x fastest, then y, then z; channels innermost).
+/// Outside the box the nearest cell's value holds ("wrap clamp").
+struct Grid {
+  glm::ivec3 size{0};         // cells
+  int channels = 1;           // 1 or 3
+  std::vector<float> values;  // size.x * size.y * size.z * channels
+  bool trilinear = true;      // else the nearest cell
+
+  glm::dvec3 at(glm::ivec3 cell) const;          // clamped to the grid; grey is spread over r, g, b
+  glm::dvec3 sample(glm::dvec3 unit_cube) const;  // position in the box, each coordinate 0..1
+};
+
+/// Scattering and absorption at a point.
+struct Coefficients {
+  glm::dvec3 sigma_s{0};  // 1/m
+  glm::dvec3 sigma_a{0};  // 1/m
+};
+
+/// What a translucent object is made of. Where `sigma_t` (the grid) is set the medium is heterogeneous and
+/// sigma_s = scale * sigma_t * albedo, sigma_a = scale * sigma_t * (1 - albedo), each grid interpolated by itself.
+struct Medium {
+  Coefficients homogeneous;
+  double g = 0;  // mean cosine of the Henyey-Greenstein phase function, in (-1, 1)
+
+  std::shared_ptr<const Grid> sigma_t;    // 1/m before `scale`; null for a homogeneous medium
+  std::shared_ptr<const Grid> albedo;     // 0..1
+  double scale = 1;                       // factor of sigma_t
+  glm::dmat4 world_to_box{1.0};           // world position -> unit cube of the grids
+
+  bool heterogeneous() const { return sigma_t != nullptr; }
+  Coefficients at(glm::dvec3 world) const;
+  /// Largest sigma_t = sigma_s + sigma_a per channel over the whole medium, 1/m.
+  glm::dvec3 majorant() const;
+};
+
+enum class Role { translucent, opaque, emissive };
+
+struct Object {
+  std::string name;
+  Role role = Role::opaque;
+  Mesh mesh;
+  Medium medium;            // translucent
+  double eta = 1;           // translucent: index inside / index outside
+  glm::vec3 albedo{0.8f};   // opaque: Lambert reflectance
+  glm::vec3 radiance{0};    // emissive: W/m^2/sr, from the front side
+  bool two_sided = false;   // emissive: from both sides
+};
+
+struct Camera {
+  std::string name;
+  glm::mat4 to_world{1};  // looks along -z, y up (glTF)
+  float y_fov = 0.7f;     // radians
+};
+
+/// Light from infinity. Zero where the scene has none.
+struct Environment {
+  glm::vec3 radiance{0};  // W/m^2/sr, the same in every direction
+};
+
+struct Scene {
+  std::string path;
+  std::vector<Object> objects;
+  std::vector<Camera> cameras;
+  Environment environment;
+  std::vector<std::string> warnings;  // one line each, with the object's name: repairs that were made, doubts that remain
+};
+
+}  // namespace alabaster
