@@ -7,7 +7,7 @@
 namespace alabaster::gpu {
 
 struct SpirvEntry {
-  const char* name;           // path below shaders/, e.g. "diffusion/residual.comp"; a null name ends the table
+  const char* name;  // path below shaders/, e.g. "diffusion/residual.comp"; a null name ends the table
   const std::uint32_t* words;
   std::size_t count;  // words
 };
