@@ -221,6 +221,7 @@ void Context::create_device(bool presentation) {
   want.all.features.robustBufferAccess = has.all.features.robustBufferAccess;
   want.all.features.independentBlend = has.all.features.independentBlend;
   want.all.features.fragmentStoresAndAtomics = has.all.features.fragmentStoresAndAtomics;
+  want.all.features.geometryShader = has.all.features.geometryShader;  // gl_PrimitiveID in fragment shaders
   want.all.features.shaderInt64 = has.all.features.shaderInt64;
   want.v12.scalarBlockLayout = VK_TRUE;
   want.v12.shaderBufferInt64Atomics = has.v12.shaderBufferInt64Atomics;
