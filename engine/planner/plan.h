@@ -1,0 +1,52 @@
+// What will be computed for a scene, and why: (Scene, what the user asked for) -> Plan. Everything after it obeys the plan
+// and decides nothing by itself.
+#pragma once
+
+#include <glm/glm.hpp>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "scene/scene.h"
+
+namespace alabaster {
+
+enum class Transport { report, as_printed };
+enum class Component { multiple, surface };
+enum class Quality { preview, balanced, accurate };
+
+const char* name_of(Transport transport);
+const char* name_of(Component component);
+
+/// What the user asked for; an empty optional leaves the choice to the planner.
+struct Request {
+  glm::ivec2 size{640, 480};  // pixels
+  std::string camera;         // its name; empty: the scene's first
+  std::optional<int> grid;    // cells along the longest side of each translucent object
+  double tolerance = 1e-6;    // relative true residual of the solver
+  Transport transport = Transport::report;
+  std::set<Component> components{Component::multiple, Component::surface};
+  Quality quality = Quality::balanced;
+  std::optional<int> light_samples;
+};
+
+struct Plan {
+  glm::ivec2 size{0};
+  Camera camera;
+  Transport transport = Transport::report;
+  std::set<Component> components;
+  int grid = 0;                // cells along the longest side of each translucent object
+  double tolerance = 0;
+  int channels = 3;            // 1 where materials and lights are grey: one solve serves red, green and blue
+  int light_samples = 0;       // points on area lights
+  int environment_samples = 0;  // directions in which the environment's occlusion is looked up; 0 without environment
+  int shadow_map_size = 512;   // texels
+  std::vector<std::string> reasons;  // one line each
+};
+
+/// Throws UserError for an unknown camera, a camera inside an object, or a size or grid outside what is supported.
+/// `heap_bytes` is the device's memory: a grid that cannot fit is refused here, before anything is allocated.
+Plan make_plan(const Scene& scene, const Request& request, std::uint64_t heap_bytes);
+
+}  // namespace alabaster
