@@ -1,5 +1,6 @@
 // What the rest of the house knows of a scene: closed triangle meshes in world space (metres), what they are made of,
-// what lights them and who looks at them. Made by load_scene() from glTF 2.0 (load.h); nothing here knows a file format.
+// what lights them and who looks at them. Made by load_scene() from glTF 2.0 (load.h); nothing here knows a file
+// format.
 #pragma once
 
 #include <cstdint>
@@ -32,7 +33,7 @@ struct Grid {
   std::vector<float> values;  // size.x * size.y * size.z * channels
   bool trilinear = true;      // else the nearest cell
 
-  glm::dvec3 at(glm::ivec3 cell) const;          // clamped to the grid; grey is spread over r, g, b
+  glm::dvec3 at(glm::ivec3 cell) const;           // clamped to the grid; grey is spread over r, g, b
   glm::dvec3 sample(glm::dvec3 unit_cube) const;  // position in the box, each coordinate 0..1
 };
 
@@ -48,10 +49,10 @@ struct Medium {
   Coefficients homogeneous;
   double g = 0;  // mean cosine of the Henyey-Greenstein phase function, in (-1, 1)
 
-  std::shared_ptr<const Grid> sigma_t;    // 1/m before `scale`; null for a homogeneous medium
-  std::shared_ptr<const Grid> albedo;     // 0..1
-  double scale = 1;                       // factor of sigma_t
-  glm::dmat4 world_to_box{1.0};           // world position -> unit cube of the grids
+  std::shared_ptr<const Grid> sigma_t;  // 1/m before `scale`; null for a homogeneous medium
+  std::shared_ptr<const Grid> albedo;   // 0..1
+  double scale = 1;                     // factor of sigma_t
+  glm::dmat4 world_to_box{1.0};         // world position -> unit cube of the grids
 
   bool heterogeneous() const { return sigma_t != nullptr; }
   Coefficients at(glm::dvec3 world) const;
@@ -65,11 +66,11 @@ struct Object {
   std::string name;
   Role role = Role::opaque;
   Mesh mesh;
-  Medium medium;            // translucent
-  double eta = 1;           // translucent: index inside / index outside
-  glm::vec3 albedo{0.8f};   // opaque: Lambert reflectance
-  glm::vec3 radiance{0};    // emissive: W/m^2/sr, from the front side
-  bool two_sided = false;   // emissive: from both sides
+  Medium medium;           // translucent
+  double eta = 1;          // translucent: index inside / index outside
+  glm::vec3 albedo{0.8f};  // opaque: Lambert reflectance
+  glm::vec3 radiance{0};   // emissive: W/m^2/sr, from the front side
+  bool two_sided = false;  // emissive: from both sides
 };
 
 struct Camera {
@@ -88,7 +89,8 @@ struct Scene {
   std::vector<Object> objects;
   std::vector<Camera> cameras;
   Environment environment;
-  std::vector<std::string> warnings;  // one line each, with the object's name: repairs that were made, doubts that remain
+  std::vector<std::string>
+      warnings;  // one line each, with the object's name: repairs that were made, doubts that remain
 };
 
 }  // namespace alabaster

@@ -1,0 +1,299 @@
+#include "scene/load.h"
+
+#include <tiny_gltf.h>
+
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+#include <glm/gtc/quaternion.hpp>
+#include <set>
+
+#include "scene/error.h"
+#include "scene/fields.h"
+#include "scene/files.h"
+#include "scene/material.h"
+#include "scene/mesh_check.h"
+#include "scene/primitive.h"
+#include "scene/shapes.h"
+
+namespace alabaster {
+namespace {
+
+using nlohmann::json;
+
+const std::set<std::string> extensions_read = {"KHR_materials_ior",
+                                               "KHR_materials_volume",
+                                               "KHR_materials_volume_scatter",
+                                               "KHR_materials_scatter",
+                                               "KHR_materials_transmission",
+                                               "KHR_materials_emissive_strength",
+                                               "KHR_lights_punctual",
+                                               "KHR_materials_diffuse_transmission"};
+
+/// A glTF file twice over: tinygltf's model for meshes and buffers, and its JSON for what tinygltf does not know.
+struct Document {
+  std::string path;
+  tinygltf::Model model;
+  json root;
+
+  Fields fields(const std::string& list, int index, const std::string& name) const {
+    json object = root.contains(list) ? root[list].at(index) : json::object();
+    return Fields(object, path, name + " ");
+  }
+};
+
+std::string one_line(std::string text) {
+  for (char& c : text)
+    if (c == '\n' || c == '\r') c = ' ';
+  while (!text.empty() && text.back() == ' ') text.pop_back();
+  return text;
+}
+
+json parse_json(const std::string& bytes, bool binary) {
+  if (!binary) return json::parse(bytes);
+  std::uint32_t length = 0;
+  if (bytes.size() >= 20) std::memcpy(&length, bytes.data() + 12, sizeof length);
+  return json::parse(bytes.substr(std::min<std::size_t>(bytes.size(), 20), length));
+}
+
+Document open_document(const std::string& path) {
+  std::string bytes = read_file(path);
+  if (bytes.empty()) throw UserError(path + ": the file is empty; give a glTF 2.0 scene (.gltf or .glb)");
+  if (bytes.size() > 0xffffffffu)
+    throw UserError(path + ": the file is larger than 4 GiB; keep its buffers in files beside it");
+  bool binary = bytes.starts_with("glTF");
+  std::string folder = std::filesystem::path(path).parent_path().string();
+  tinygltf::TinyGLTF reader;
+  // Textures are not used: accept every image undecoded.
+  reader.SetImageLoader([](tinygltf::Image*, const int, std::string*, std::string*, int, int, const unsigned char*, int,
+                           void*) { return true; },
+                        nullptr);
+  Document document{path, {}, {}};
+  std::string error, warning;
+  unsigned size = unsigned(bytes.size());
+  bool good = false;
+  try {
+    good = binary ? reader.LoadBinaryFromMemory(&document.model, &error, &warning,
+                                                reinterpret_cast<const unsigned char*>(bytes.data()), size, folder)
+                  : reader.LoadASCIIFromString(&document.model, &error, &warning, bytes.data(), size, folder);
+    if (good) document.root = parse_json(bytes, binary);
+  } catch (const std::exception& exception) {  // from the JSON library, on values of the wrong kind
+    good = false, error = exception.what();
+  }
+  if (!good)
+    throw UserError(path + ": not a readable glTF 2.0 file: " + one_line(error) +
+                    "; it may be truncated, or files beside it are missing: export it again");
+  for (const std::string& name : document.model.extensionsRequired)
+    if (!extensions_read.contains(name))
+      throw UserError(path + ": extensionsRequired names " + name + ", which is not read; export without it");
+  return document;
+}
+
+bool finite(const glm::dmat4& m) {
+  for (int column = 0; column < 4; ++column)
+    for (int row = 0; row < 4; ++row)
+      if (!std::isfinite(m[column][row])) return false;
+  return true;
+}
+
+glm::dmat4 local_transform(const tinygltf::Node& node) {
+  glm::dmat4 m(1);
+  if (node.matrix.size() == 16) {
+    for (int i = 0; i < 16; ++i) m[i / 4][i % 4] = node.matrix[i];
+    return m;
+  }
+  if (node.translation.size() == 3) m = translation({node.translation[0], node.translation[1], node.translation[2]});
+  if (node.rotation.size() == 4) {
+    const std::vector<double>& q = node.rotation;  // x, y, z, w
+    m *= glm::mat4_cast(glm::normalize(glm::dquat(q[3], q[0], q[1], q[2])));
+  }
+  if (node.scale.size() == 3) m *= scaling({node.scale[0], node.scale[1], node.scale[2]});
+  return m;
+}
+
+/// Builds the Scene while walking the node tree.
+class Builder {
+ public:
+  explicit Builder(const Document& document) : document_(document), model_(document.model) {
+    scene_.path = document.path;
+  }
+
+  Scene build() {
+    read_environment();
+    for (int root : roots()) walk(root);
+    if (!model_.lights.empty())
+      scene_.warnings.push_back("KHR_lights_punctual: point, spot and directional lights are ignored for now");
+    check();
+    return std::move(scene_);
+  }
+
+ private:
+  [[noreturn]] void fail(const std::string& what) const { throw UserError(document_.path + ": " + what); }
+
+  int scene_index() const { return model_.defaultScene >= 0 ? model_.defaultScene : 0; }
+
+  std::vector<int> roots() const {
+    if (!model_.scenes.empty()) {
+      if (std::size_t(scene_index()) >= model_.scenes.size())
+        fail("scene index is out of range; export the file again");
+      return model_.scenes[scene_index()].nodes;
+    }
+    std::vector<bool> is_child(model_.nodes.size());
+    for (const tinygltf::Node& node : model_.nodes)
+      for (int child : node.children)
+        if (child >= 0 && std::size_t(child) < is_child.size()) is_child[child] = true;
+    std::vector<int> result;
+    for (std::size_t i = 0; i < is_child.size(); ++i)
+      if (!is_child[i]) result.push_back(int(i));
+    return result;
+  }
+
+  /// Depth first with a stack of our own: a hostile file may nest as deep as it likes.
+  void walk(int root) {
+    struct Visit {
+      int node;
+      glm::dmat4 parent;
+    };
+    std::vector<Visit> stack{{root, glm::dmat4(1)}};
+    while (!stack.empty()) {
+      Visit visit = stack.back();
+      stack.pop_back();
+      if (visit.node < 0 || std::size_t(visit.node) >= model_.nodes.size())
+        fail("node index " + std::to_string(visit.node) + " is out of range; export the file again");
+      const tinygltf::Node& node = model_.nodes[visit.node];
+      std::string name = node.name.empty() ? "node " + std::to_string(visit.node) : node.name;
+      if (!visited_.insert(visit.node).second)
+        fail("node '" + name + "' is reached twice; a node may have one parent only");
+      glm::dmat4 to_world = visit.parent * local_transform(node);
+      if (!finite(to_world)) fail("node '" + name + "': its transform is not finite; give finite numbers");
+      if (node.mesh >= 0) add_mesh(node.mesh, node.name, to_world);
+      if (node.camera >= 0) add_camera(node.camera, node.name, to_world);
+      for (auto child = node.children.rbegin(); child != node.children.rend(); ++child)
+        stack.push_back({*child, to_world});
+    }
+  }
+
+  void add_mesh(int index, const std::string& node_name, const glm::dmat4& to_world) {
+    if (std::size_t(index) >= model_.meshes.size())
+      fail("mesh index " + std::to_string(index) + " is out of range; export the file again");
+    const tinygltf::Mesh& source = model_.meshes[index];
+    std::string name = !node_name.empty()     ? node_name
+                       : !source.name.empty() ? source.name
+                                              : "mesh " + std::to_string(index);
+    std::string place = document_.path + ": mesh '" + name + "'";
+    std::map<int, Mesh> by_material;
+    for (const tinygltf::Primitive& primitive : source.primitives)
+      by_material[primitive.material] =
+          joined(std::move(by_material[primitive.material]), read_primitive(model_, primitive, place));
+    for (auto& [material, mesh] : by_material) {
+      std::string object = by_material.size() == 1 ? name : name + "/" + material_name(material);
+      if (mesh.triangles.empty())
+        scene_.warnings.push_back("'" + object + "' has no triangles and is left out");
+      else
+        add_object(object, material, std::move(mesh), to_world);
+    }
+  }
+
+  std::string material_name(int index) const {
+    if (index < 0 || std::size_t(index) >= model_.materials.size()) return "no material";
+    const std::string& name = model_.materials[index].name;
+    return name.empty() ? std::to_string(index) : name;
+  }
+
+  const Material& material(int index) {
+    auto [entry, fresh] = materials_.try_emplace(index);
+    if (fresh && index >= 0) {
+      if (std::size_t(index) >= model_.materials.size())
+        fail("material index " + std::to_string(index) + " is out of range; export the file again");
+      std::string name = "material '" + material_name(index) + "'";
+      entry->second = read_material(document_.fields("materials", index, name), grids_);
+      if (!entry->second.warning.empty()) scene_.warnings.push_back(name + ": " + entry->second.warning);
+    }
+    return entry->second;
+  }
+
+  void add_object(const std::string& name, int material_index, Mesh mesh, const glm::dmat4& to_world) {
+    const Material& source = material(material_index);
+    std::string place = document_.path + ": mesh '" + name + "'";
+    Object object{name,
+                  source.role,
+                  transformed(std::move(mesh), to_world),
+                  source.medium,
+                  source.eta,
+                  source.albedo,
+                  source.radiance,
+                  source.two_sided};
+    for (glm::vec3 p : object.mesh.positions)
+      if (!std::isfinite(p.x + p.y + p.z))
+        throw UserError(place + " lies too far out for 32-bit floats; bring it nearer");
+    if (source.role == Role::translucent) {
+      if (source.medium.heterogeneous()) {
+        object.medium.world_to_box = source.medium.world_to_box * glm::inverse(to_world);
+        if (!finite(object.medium.world_to_box))
+          throw UserError(place + ": its node flattens it; give a scale without zeros");
+      }
+      object.mesh = checked_solid(std::move(object.mesh), name, document_.path, scene_.warnings);
+    }
+    scene_.objects.push_back(std::move(object));
+  }
+
+  void add_camera(int index, const std::string& node_name, const glm::dmat4& to_world) {
+    if (std::size_t(index) >= model_.cameras.size())
+      fail("camera index " + std::to_string(index) + " is out of range; export the file again");
+    const tinygltf::Camera& source = model_.cameras[index];
+    std::string name = !node_name.empty()     ? node_name
+                       : !source.name.empty() ? source.name
+                                              : "camera " + std::to_string(index);
+    if (source.type != "perspective") {
+      scene_.warnings.push_back("camera '" + name +
+                                "' is orthographic and is left out; only perspective cameras are read");
+      return;
+    }
+    Camera camera{name, glm::mat4(1), float(source.perspective.yfov)};
+    if (!(camera.y_fov > 0 && camera.y_fov < 3.14159f))
+      fail("camera '" + name + "' yfov must lie between 0 and pi (radians)");
+    glm::dmat4 frame = to_world;
+    for (int axis = 0; axis < 3; ++axis) {  // glTF: a camera's view ignores its node's scale
+      double length = glm::length(frame[axis]);
+      if (!(length > 0)) fail("camera '" + name + "': its node's scale is 0; give a scale without zeros");
+      frame[axis] /= length;
+    }
+    camera.to_world = glm::mat4(frame);
+    scene_.cameras.push_back(camera);
+  }
+
+  void read_environment() {
+    if (model_.scenes.empty() || std::size_t(scene_index()) >= model_.scenes.size()) return;
+    Fields source = document_.fields("scenes", scene_index(), "scene");
+    if (!source.is_object("extras") || !source.child("extras").has("environment")) return;
+    Fields environment = source.child("extras").child("environment");
+    if (environment.has("exr")) environment.fail("exr", "is not supported yet; use \"radiance\": [r, g, b]");
+    glm::dvec3 radiance = environment.rgb("radiance");
+    if (glm::any(glm::lessThan(radiance, glm::dvec3(0)))) environment.fail("radiance", "must not be negative");
+    scene_.environment.radiance = glm::vec3(radiance);
+  }
+
+  void check() const {
+    if (scene_.objects.empty()) fail("there are no triangles to render; put a mesh into the scene");
+    if (scene_.cameras.empty()) fail("there is no camera; put a perspective camera into the scene");
+    bool lit = scene_.environment.radiance != glm::vec3(0);
+    for (const Object& object : scene_.objects) lit |= object.role == Role::emissive && area(object.mesh) > 0;
+    if (!lit) fail("there is no light; give a mesh an emissiveFactor or set scene.extras.environment.radiance");
+  }
+
+  const Document& document_;
+  const tinygltf::Model& model_;
+  Scene scene_;
+  std::map<int, Material> materials_;
+  GridCache grids_;
+  std::set<int> visited_;
+};
+
+}  // namespace
+
+Scene load_scene(const std::string& path) {
+  Document document = open_document(path);
+  return Builder(document).build();
+}
+
+}  // namespace alabaster
