@@ -2,6 +2,7 @@
 // and decides nothing by itself.
 #pragma once
 
+#include <cstdint>
 #include <glm/glm.hpp>
 #include <optional>
 #include <set>
@@ -44,6 +45,9 @@ struct Plan {
   int shadow_map_size = 512;   // texels
   std::vector<std::string> reasons;  // one line each
 };
+
+/// Device memory that a solve needs, bytes for each cell of an object's grid.
+std::uint64_t bytes_per_cell(int channels);
 
 /// Throws UserError for an unknown camera, a camera inside an object, or a size or grid outside what is supported.
 /// `heap_bytes` is the device's memory: a grid that cannot fit is refused here, before anything is allocated.

@@ -1,0 +1,113 @@
+#include "planner/plan.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+
+#include "domain/grid_frame.h"
+#include "scene/error.h"
+#include "scene/mesh_check.h"
+
+namespace alabaster {
+namespace {
+
+constexpr int smallest_grid = 8;
+constexpr int largest_grid = 1024;
+
+const Camera& find_camera(const Scene& scene, const std::string& name) {
+  if (name.empty()) return scene.cameras.front();
+  std::string known;
+  for (const Camera& camera : scene.cameras) {
+    if (camera.name == name) return camera;
+    known += (known.empty() ? "" : ", ") + camera.name;
+  }
+  throw UserError(scene.path + ": --camera " + name + ": there is no such camera; it has: " + known);
+}
+
+bool is_grey(glm::dvec3 c) { return c.r == c.g && c.g == c.b; }
+
+/// One solve serves all three channels where neither a material nor a light has colour.
+bool is_grey(const Scene& scene) {
+  for (const Object& object : scene.objects) {
+    if (object.role == Role::emissive && !is_grey(object.radiance)) return false;
+    if (object.role != Role::translucent) continue;
+    const Medium& m = object.medium;
+    if (!is_grey(m.homogeneous.sigma_s) || !is_grey(m.homogeneous.sigma_a)) return false;
+    if (m.heterogeneous() && (m.sigma_t->channels > 1 || m.albedo->channels > 1)) return false;
+  }
+  return is_grey(scene.environment.radiance);
+}
+
+std::uint64_t largest_object_bytes(const Scene& scene, int grid, int channels) {
+  std::uint64_t most = 0;
+  for (const Object& object : scene.objects)
+    if (object.role == Role::translucent) {
+      const glm::ivec3 cells = choose_frame(bounds_of(object.mesh), grid).cells;
+      most = std::max(most, std::uint64_t(cells.x) * std::uint64_t(cells.y) * std::uint64_t(cells.z) * bytes_per_cell(channels));
+    }
+  return most;
+}
+
+int preferred_grid(Quality quality) {
+  switch (quality) {
+    case Quality::preview: return 32;
+    case Quality::balanced: return 64;
+    case Quality::accurate: return 128;
+  }
+  return 64;
+}
+
+void check_size(glm::ivec2 size) {
+  if (size.x < 1 || size.y < 1 || size.x > 16384 || size.y > 16384)
+    throw UserError("--size " + std::to_string(size.x) + "x" + std::to_string(size.y) + ": width and height must lie between 1 and 16384 pixels");
+}
+
+int choose_grid(const Scene& scene, const Request& request, Plan& plan, std::uint64_t heap_bytes) {
+  const auto fits = [&](int grid) { return largest_object_bytes(scene, grid, plan.channels) <= heap_bytes / 10 * 8; };
+  int grid = request.grid.value_or(preferred_grid(request.quality));
+  if (grid < smallest_grid || grid > largest_grid || !fits(grid)) {
+    int most = std::clamp(grid, smallest_grid, largest_grid);
+    while (most > smallest_grid && !fits(most)) most -= 4;
+    if (request.grid)
+      throw UserError("--grid " + std::to_string(grid) + ": choose " + std::to_string(smallest_grid) + " to " +
+                      std::to_string(std::max(most, smallest_grid)) + " cells along the longest side of an object; more does not fit this device's memory or the solver");
+    plan.reasons.push_back("grid " + std::to_string(grid) + " lowered to " + std::to_string(most) + ": the device's memory");
+    grid = most;
+  }
+  if (!request.grid) plan.reasons.push_back("grid " + std::to_string(grid) + ": the quality asked for; --grid sets another");
+  return grid;
+}
+
+}  // namespace
+
+const char* name_of(Transport transport) { return transport == Transport::report ? "report" : "as-printed"; }
+const char* name_of(Component component) { return component == Component::multiple ? "multiple" : "surface"; }
+
+std::uint64_t bytes_per_cell(int channels) { return 60 + 120 * std::uint64_t(channels); }
+
+Plan make_plan(const Scene& scene, const Request& request, std::uint64_t heap_bytes) {
+  check_size(request.size);
+  Plan plan;
+  plan.size = request.size;
+  plan.camera = find_camera(scene, request.camera);
+  plan.transport = request.transport;
+  plan.components = request.components;
+  plan.tolerance = request.tolerance;
+  if (!(plan.tolerance > 0 && plan.tolerance < 1)) throw UserError("--tolerance must lie between 0 and 1; 1e-6 is usual");
+  for (const Object& object : scene.objects)
+    if (object.role == Role::translucent && inside(object.mesh, glm::vec3(plan.camera.to_world[3])))
+      throw UserError(scene.path + ": camera " + plan.camera.name + " is inside the translucent object " + object.name + "; move it outside");
+
+  plan.channels = is_grey(scene) ? 1 : 3;
+  plan.reasons.push_back(plan.channels == 1 ? "one channel: materials and lights are grey" : "three channels: a material or a light has colour");
+  plan.grid = choose_grid(scene, request, plan, heap_bytes);
+  const bool lit_by_area = std::any_of(scene.objects.begin(), scene.objects.end(), [](const Object& o) { return o.role == Role::emissive; });
+  const int usual = request.quality == Quality::preview ? 8 : request.quality == Quality::accurate ? 128 : 32;
+  plan.light_samples = lit_by_area ? request.light_samples.value_or(usual) : 0;
+  if (lit_by_area && (plan.light_samples < 1 || plan.light_samples > 1024)) throw UserError("--light-samples must lie between 1 and 1024");
+  plan.environment_samples = scene.environment.radiance == glm::vec3(0) ? 0 : 2 * usual;
+  plan.reasons.push_back("surface reflection: of the constant environment only");
+  return plan;
+}
+
+}  // namespace alabaster
