@@ -232,7 +232,7 @@ class Builder {
         if (!finite(object.medium.world_to_box))
           throw UserError(place + ": its node flattens it; give a scale without zeros");
       }
-      object.mesh = checked_solid(std::move(object.mesh), name, document_.path, scene_.warnings);
+      object.mesh = checked_solid(object.mesh, name, document_.path, scene_.warnings);
     }
     scene_.objects.push_back(std::move(object));
   }
