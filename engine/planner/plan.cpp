@@ -6,7 +6,7 @@
 
 #include "domain/grid_frame.h"
 #include "scene/error.h"
-#include "scene/mesh_check.h"
+#include "scene/inside.h"
 
 namespace alabaster {
 namespace {
