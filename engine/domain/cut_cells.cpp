@@ -114,6 +114,7 @@ struct Solid {  // of one cell, after gifts
   double volume = 0;
   glm::dvec3 moment{0};  // integral x dV
   Classes classes;
+  double reach = 0;  // h: a cell that takes a piece reaches into the giver
 };
 
 Sums shifted(Sums s, int axis, double by) {  // to coordinates x + by e_axis
@@ -230,7 +231,7 @@ class Cutter {
       std::size_t to = gift.direction > 0 ? at + stride_[gift.axis] : at - stride_[gift.axis];
       if (slot_[to] < 0) {
         slot_[to] = int(solids_.size());
-        solids_.push_back({.volume = out_.volume[to], .moment = glm::dvec3(0.5 * out_.volume[to]), .classes = {}});
+        solids_.push_back({.volume = out_.volume[to], .moment = glm::dvec3(0.5 * out_.volume[to]), .classes = {}, .reach = 0});
       }
       Solid &giver = solids_[slot_[at]], &taker = solids_[slot_[to]];
       const Sums& given = sums_[slot_[at]][gift.facet_class];
@@ -238,6 +239,7 @@ class Cutter {
       giver.volume -= gift.volume;
       giver.moment -= gift.moment;
       subtract(giver.classes[gift.facet_class], given);
+      taker.reach = 1;
       taker.volume += gift.volume;
       glm::dvec3 moment = gift.moment;
       moment[gift.axis] -= gift.direction * gift.volume;
@@ -281,8 +283,7 @@ class Cutter {
       cut.cell = {int(at % cells.x), int(at / cells.x % cells.y), int(at / stride_[2])};
       cut.volume = std::max(solid.volume, least_volume);
       cut.centroid = solid.volume > least_volume ? solid.moment / solid.volume : all.X / all.S;
-      glm::dvec3 reach(out_.slit_cells > 0 ? 1 : 0);  // a cell that was given a piece reaches into the giver
-      cut.centroid = glm::clamp(cut.centroid, -reach, 1.0 + reach);
+      cut.centroid = glm::clamp(cut.centroid, -solid.reach, 1 + solid.reach);
       cut.facet = make_facet(all, cut.centroid);
       for (int s = 0; s < 2; ++s) cut.side[s] = make_facet(sides[s], cut.centroid);
       for (int i = 0; i < 3; ++i) cut.low_face_centroid[i] = face_centroid(at, i);

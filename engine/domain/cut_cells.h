@@ -73,7 +73,8 @@ struct CutCells {
 /// The parity is the facet's side, so that the two sheets of a thin part stay apart.
 inline int facet_class(glm::dvec3 normal) {
   glm::dvec3 size = glm::abs(normal);
-  int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
+  const double slack = 0.9999;  // ties go to the first axis, and rounding does not decide
+  int axis = size.x >= slack * size.y && size.x >= slack * size.z ? 0 : size.y >= slack * size.z ? 1 : 2;
   return 2 * axis + (normal[axis] < 0 ? 1 : 0);
 }
 
