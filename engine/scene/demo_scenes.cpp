@@ -111,7 +111,7 @@ void light(Scene& scene, Light kind) {
   }
   Object ground;
   ground.name = "ground";
-  ground.mesh = transformed(quad(4, 4), translation({0, -gap, 0}));
+  ground.mesh = transformed(quad(6, 6), translation({0, -gap, 0}));
   ground.albedo = glm::vec3(0.4f);
   scene.objects.push_back(ground);
   if (kind == Light::back) {
@@ -127,7 +127,7 @@ void light(Scene& scene, Light kind) {
 Camera framing(const Bounds& bounds) {
   const float y_fov = 0.5f;
   float radius = 0.5f * glm::length(bounds.size());
-  glm::vec3 direction = glm::normalize(glm::vec3(0.45f, 0.3f, 1));
+  glm::vec3 direction = glm::normalize(glm::vec3(0.45f, 0.42f, 1));
   glm::vec3 target = bounds.centre();
   return {"main", look_at(target + direction * (0.95f * radius / std::sin(0.5f * y_fov)), target), y_fov};
 }
