@@ -49,11 +49,29 @@ std::string one_line(std::string text) {
   return text;
 }
 
-json parse_json(const std::string& bytes, bool binary) {
-  if (!binary) return json::parse(bytes);
+/// The readers of JSON call themselves once a level: refuse what would use up the stack.
+void check_nesting(const std::string& bytes, const std::string& path) {
+  int depth = 0;
+  bool quoted = false;
+  for (std::size_t i = 0; i < bytes.size(); ++i) {
+    char c = bytes[i];
+    if (quoted && c == '\\')
+      ++i;
+    else if (c == '"')
+      quoted = !quoted;
+    else if (!quoted && (c == '[' || c == '{') && ++depth > 256)
+      throw UserError(path + ": its JSON is nested more than 256 levels deep; export the file again");
+    else if (!quoted && (c == ']' || c == '}'))
+      --depth;
+  }
+}
+
+/// The JSON of a file: all of a .gltf, the first chunk of a .glb.
+std::string json_text(const std::string& bytes, bool binary) {
+  if (!binary) return bytes;
   std::uint32_t length = 0;
   if (bytes.size() >= 20) std::memcpy(&length, bytes.data() + 12, sizeof length);
-  return json::parse(bytes.substr(std::min<std::size_t>(bytes.size(), 20), length));
+  return bytes.substr(std::min<std::size_t>(bytes.size(), 20), length);
 }
 
 Document open_document(const std::string& path) {
@@ -62,6 +80,8 @@ Document open_document(const std::string& path) {
   if (bytes.size() > 0xffffffffu)
     throw UserError(path + ": the file is larger than 4 GiB; keep its buffers in files beside it");
   bool binary = bytes.starts_with("glTF");
+  std::string text = json_text(bytes, binary);
+  check_nesting(text, path);
   std::string folder = std::filesystem::path(path).parent_path().string();
   tinygltf::TinyGLTF reader;
   // Textures are not used: accept every image undecoded.
@@ -76,7 +96,7 @@ Document open_document(const std::string& path) {
     good = binary ? reader.LoadBinaryFromMemory(&document.model, &error, &warning,
                                                 reinterpret_cast<const unsigned char*>(bytes.data()), size, folder)
                   : reader.LoadASCIIFromString(&document.model, &error, &warning, bytes.data(), size, folder);
-    if (good) document.root = parse_json(bytes, binary);
+    if (good) document.root = json::parse(text);
   } catch (const std::exception& exception) {  // from the JSON library, on values of the wrong kind
     good = false, error = exception.what();
   }

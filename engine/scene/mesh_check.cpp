@@ -18,6 +18,7 @@ namespace {
 constexpr std::size_t largest_hole = 64;    // edges
 constexpr double largest_patch = 0.02;      // of the object's area
 constexpr float second_weld = 1e-6f;        // of the object's diagonal
+constexpr double no_area = 1e-12;           // area / diagonal^2 of lines and points
 constexpr double flat = 1e-9;               // volume / area^(3/2) below which a component encloses nothing
 constexpr std::size_t nesting_samples = 8;  // points that must all lie inside for a component to count as nested
 const unsigned nobody = ~0u;
@@ -40,7 +41,8 @@ class Check {
   Mesh run() {
     simplify();
     if (open_edges() > 0) weld_near();
-    if (mesh_.triangles.empty()) fail("has no triangle with an area; give it a closed surface");
+    float size = mesh_.triangles.empty() ? 0 : glm::length(bounds_of(mesh_).size());
+    if (area(mesh_) <= no_area * size * size) fail("has no area; give it a closed surface of some size");
     orient();
     if (close()) orient();  // a patch joins what it touches: the components change
     turn_outwards();

@@ -189,7 +189,7 @@ TEST(MeshCheck, RefusesWhatBoundsNoSolid) {
   EXPECT_NE(failure(quad(1, 1)).find("not closed"), std::string::npos);
   EXPECT_NE(failure(joined(quad(1, 1), flipped(transformed(quad(1, 1), rotation({0, 1, 0}, 90))))).find("no volume"),
             std::string::npos);
-  EXPECT_NE(failure({{{0, 0, 0}, {1, 0, 0}}, {{0, 1, 0}}}).find("no triangle"), std::string::npos);
+  EXPECT_NE(failure({{{0, 0, 0}, {1, 0, 0}}, {{0, 1, 0}}}).find("no area"), std::string::npos);
   Mesh fin = box({1, 1, 1});
   fin.positions.push_back({5, 5, 5});
   fin.triangles.push_back({0, 1, unsigned(fin.positions.size()) - 1});

@@ -1,0 +1,177 @@
+#include "scene/demo_scenes.h"
+
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <functional>
+
+#include "scene/error.h"
+#include "scene/marble.h"
+#include "scene/mesh_check.h"
+#include "scene/off.h"
+#include "scene/presets.h"
+#include "scene/shapes.h"
+
+namespace alabaster {
+namespace {
+
+constexpr float height = 0.1f;  // m
+constexpr float gap = 2e-4f;    // m below the object, lest two surfaces lie in one plane
+
+enum class Light { front, back, furnace };
+
+struct Recipe {
+  std::string name, mesh;
+  Light light;
+  double eta;
+  std::function<Medium(const Bounds&)> medium;
+};
+
+std::function<Medium(const Bounds&)> homogeneous(glm::dvec3 sigma_s, glm::dvec3 sigma_a) {
+  return [=](const Bounds&) {
+    Medium medium;
+    medium.homogeneous = {sigma_s, sigma_a};
+    return medium;
+  };
+}
+
+std::function<Medium(const Bounds&)> measured(const std::string& name) {
+  Coefficients found = preset(name)->coefficients;
+  return homogeneous(found.sigma_s, found.sigma_a);
+}
+
+std::vector<Recipe> recipes() {
+  auto marble = [](const Bounds& bounds) { return veined_marble(bounds, 64); };
+  auto white = homogeneous(glm::dvec3(500), glm::dvec3(0));  // 50 mean free paths, nothing absorbed
+  auto wax = homogeneous({1100, 950, 700}, {1.5, 6, 22});
+  auto jade = homogeneous({380, 520, 420}, {9, 1.2, 6});
+  auto leaf = homogeneous(glm::dvec3(1990), {16, 4, 40});  // 4 mean free paths through the plate
+  return {{"bunny-marble", "bunny", Light::front, 1.5, marble},
+          {"bunny-homogeneous", "bunny", Light::front, 1.5, measured("marble")},
+          {"bunny-milk", "bunny", Light::front, 1.3, measured("skimmilk")},
+          {"armadillo-wax", "armadillo", Light::front, 1.4, wax},
+          {"dragon-jade", "dragon", Light::back, 1.5, jade},
+          {"elephant-marble", "elephant", Light::front, 1.5, marble},
+          {"hand-skin", "hand", Light::front, 1.3, measured("skin2")},
+          {"sphere-marble", "sphere", Light::front, 1.5, marble},
+          {"torus-wax", "torus", Light::front, 1.4, wax},
+          {"box-potato", "box", Light::front, 1.3, measured("potato")},
+          {"plate-leaf", "plate", Light::back, 1.3, leaf},
+          {"sphere-furnace", "sphere", Light::furnace, 1.3, white},
+          {"box-furnace", "box", Light::furnace, 1.3, white},
+          {"torus-furnace", "torus", Light::furnace, 1.3, white},
+          {"bunny-furnace", "bunny", Light::furnace, 1.3, white}};
+}
+
+/// A scanned mesh as it should stand, y up and looking to +z or aside. The files' own axes were found by looking.
+Mesh scanned(const std::string& file, const std::string& folder, const glm::dmat4& turn) {
+  std::string path = (std::filesystem::path(folder) / file).string();
+  if (!std::filesystem::exists(path))
+    throw UserError(path + ": there is no such mesh; run third_party/fetch-meshes, or give its folder with --meshes");
+  return transformed(read_off(path), turn);
+}
+
+Mesh shape(const std::string& name, const std::string& folder) {
+  const glm::dmat4 as_is(1);
+  if (name == "sphere") return icosphere(5);
+  if (name == "torus") return transformed(torus(1, 0.4f, 128, 64), rotation({1, 0, 0}, 60));
+  if (name == "box") return transformed(box(glm::vec3(1), 8), rotation({0, 1, 0}, 30));
+  if (name == "plate") return transformed(box({0.8f, 1, 0.02f}, 16), rotation({0, 1, 0}, 20));
+  if (name == "bunny") return scanned("bunny00.off", folder, as_is);
+  if (name == "armadillo") return scanned("armadillo.off", folder, rotation({0, 1, 0}, 180));
+  if (name == "dragon") return scanned("ChineseDragon-10kv.off", folder, as_is);
+  if (name == "elephant") return scanned("refined_elephant.off", folder, as_is);
+  if (name == "hand") return scanned("hand.off", folder, rotation({1, 0, 0}, -90));  // a fist, up from the wrist
+  throw UserError("mesh '" + name +
+                  "' is not known; use sphere, torus, box, plate, bunny, armadillo, dragon, elephant or hand");
+}
+
+/// Scaled to `height`, standing on y = 0 in the middle.
+Mesh placed(const Mesh& mesh) {
+  Bounds bounds = bounds_of(mesh);
+  glm::dvec3 foot(bounds.centre().x, bounds.low.y, bounds.centre().z);
+  return transformed(mesh, scaling(glm::dvec3(height / bounds.size().y)) * translation(-foot));
+}
+
+/// A square lamp that faces the middle of the object.
+Object lamp(const std::string& name, glm::dvec3 position, float edge, glm::vec3 radiance) {
+  Object result;
+  result.name = name;
+  result.role = Role::emissive;
+  glm::dmat4 frame(look_at(position, {0, 0.5 * height, 0}));  // quads face +y, frames look along -z
+  result.mesh = transformed(quad(edge, edge), frame * rotation({1, 0, 0}, -90));
+  result.radiance = radiance;
+  return result;
+}
+
+void light(Scene& scene, Light kind) {
+  if (kind == Light::furnace) {
+    scene.environment.radiance = glm::vec3(1);
+    return;
+  }
+  Object ground;
+  ground.name = "ground";
+  ground.mesh = transformed(quad(6, 6), translation({0, -gap, 0}));
+  ground.albedo = glm::vec3(0.4f);
+  scene.objects.push_back(ground);
+  if (kind == Light::back) {
+    scene.objects.push_back(lamp("back", {0.12, 0.22, -0.3}, 0.12f, {90, 86, 80}));
+    scene.objects.push_back(lamp("key", {-0.25, 0.3, 0.3}, 0.12f, {10, 10, 11}));
+  } else {
+    scene.objects.push_back(lamp("key", {-0.22, 0.3, 0.26}, 0.12f, {64, 60, 54}));
+    scene.objects.push_back(lamp("fill", {0.35, 0.2, 0.15}, 0.15f, {6, 7, 9}));
+  }
+}
+
+/// Three quarters from the front and a little above, the bounding sphere filling the height.
+Camera framing(const Bounds& bounds) {
+  const float y_fov = 0.5f;
+  float radius = 0.5f * glm::length(bounds.size());
+  glm::vec3 direction = glm::normalize(glm::vec3(0.45f, 0.42f, 1));
+  glm::vec3 target = bounds.centre();
+  return {"main", look_at(target + direction * (0.95f * radius / std::sin(0.5f * y_fov)), target), y_fov};
+}
+
+Scene made(const Recipe& recipe, const std::string& folder) {
+  Scene scene;
+  Object object;
+  object.name = recipe.mesh;
+  object.role = Role::translucent;
+  object.mesh = checked_solid(placed(shape(recipe.mesh, folder)), recipe.mesh, recipe.name, scene.warnings);
+  object.eta = recipe.eta;
+  Bounds bounds = bounds_of(object.mesh);
+  object.medium = recipe.medium(bounds);
+  scene.objects.push_back(std::move(object));
+  scene.cameras.push_back(framing(bounds));
+  light(scene, recipe.light);
+  return scene;
+}
+
+}  // namespace
+
+std::vector<std::string> demo_scene_names() {
+  std::vector<std::string> names;
+  for (const Recipe& recipe : recipes()) names.push_back(recipe.name);
+  return names;
+}
+
+Scene demo_scene(const std::string& name, const std::string& mesh_folder) {
+  for (const Recipe& recipe : recipes())
+    if (recipe.name == name) return made(recipe, mesh_folder);
+  char mesh[32];
+  double paths, albedo, eta;
+  int used = 0;
+  bool study = std::sscanf(name.c_str(), "%31[a-z]-%lfmfp-%lf-%lf%n", mesh, &paths, &albedo, &eta, &used) == 4 &&
+               std::size_t(used) == name.size();
+  if (!study || !(paths > 0) || !(albedo >= 0 && albedo <= 1) || !(eta > 0) || !std::isfinite(paths + eta)) {
+    std::string known;
+    for (const std::string& other : demo_scene_names()) known += other + ", ";
+    throw UserError("scene '" + name + "' is not known; use " + known + "or MESH-Nmfp-ALBEDO-ETA");
+  }
+  double sigma_t = paths / height;
+  Recipe recipe{name, mesh, Light::front, eta,
+                homogeneous(glm::dvec3(sigma_t * albedo), glm::dvec3(sigma_t * (1 - albedo)))};
+  return made(recipe, mesh_folder);
+}
+
+}  // namespace alabaster
