@@ -6,6 +6,10 @@
 #include "lighting/shadow_views.h"
 
 namespace alabaster {
+
+static_assert(sizeof(Receiver) == 28 && sizeof(LightPoint) == 48 && sizeof(ShadowView) == 68 &&
+              sizeof(LightingHeader) == 28);
+
 namespace {
 
 gpu::RasterOptions depth_only(VkCullModeFlags cull) {

@@ -1,11 +1,10 @@
 // Shadow maps of all light samples, and the gather of the light that enters at receivers.
 #pragma once
 
-#include <optional>
-
 #include "gpu/commands.h"
 #include "lighting/lights.h"
 #include "lighting/meshes.h"
+#include "shared/lighting.h"
 
 namespace alabaster {
 

@@ -8,6 +8,9 @@
 #include "shared/shading.h"
 
 namespace alabaster {
+
+static_assert(sizeof(CameraRays) == 60 && sizeof(PlainObject) == 20 && sizeof(TranslucentPush) == 112);
+
 namespace {
 
 constexpr VkFormat id_format = VK_FORMAT_R32_UINT;
