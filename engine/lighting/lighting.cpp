@@ -1,0 +1,125 @@
+#include "lighting/lighting.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "lighting/shadow_views.h"
+
+namespace alabaster {
+
+static_assert(sizeof(Receiver) == 28 && sizeof(LightPoint) == 48 && sizeof(ShadowView) == 68 &&
+              sizeof(LightingHeader) == 28);
+
+namespace {
+
+gpu::RasterOptions depth_only(VkCullModeFlags cull) {
+  gpu::RasterOptions options;
+  options.depth = VK_FORMAT_D32_SFLOAT;
+  options.cull = cull;
+  return options;
+}
+
+double distance(const Bounds& box, glm::vec3 p) {
+  return glm::length(glm::max(glm::max(box.low - p, p - box.high), glm::vec3(0)));
+}
+
+gpu::Image depth_maps(gpu::Context& context, int size, std::size_t layers) {
+  gpu::ImageSpec spec;
+  spec.size = {size, size, 1};
+  spec.format = VK_FORMAT_D32_SFLOAT;
+  spec.type = VK_IMAGE_TYPE_2D;
+  spec.usage = VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT | VK_IMAGE_USAGE_SAMPLED_BIT |
+               VK_IMAGE_USAGE_TRANSFER_SRC_BIT;
+  spec.layers = static_cast<std::uint32_t>(std::max<std::size_t>(layers, 2));  // one layer would not be an array
+  if (spec.layers > context.limits().maxImageArrayLayers)
+    throw gpu::DeviceError("shadow maps: " + std::to_string(spec.layers) + " where " + context.info().name +
+                           " allows " + std::to_string(context.limits().maxImageArrayLayers) +
+                           "; choose fewer light samples");
+  return gpu::Image(context, spec, "shadow maps");
+}
+
+}  // namespace
+
+Lighting::Lighting(gpu::Context& context, const Scene& scene, const SceneMeshes& meshes, const LightSettings& settings)
+    : context_(context),
+      meshes_(meshes),
+      samples_(sample_lights(scene, settings.samples, settings.directions)),
+      compare_(context, gpu::Filter::linear, true),
+      closed_casters_(context, "lighting/shadow.vert", "lighting/shadow.frag", depth_only(VK_CULL_MODE_BACK_BIT)),
+      open_casters_(context, "lighting/shadow.vert", "lighting/shadow.frag", depth_only(VK_CULL_MODE_NONE)),
+      gather_(context, "lighting/gather.comp") {
+  for (const Object& object : scene.objects) closed_.push_back(object.role == Role::translucent);
+  make_views(scene, settings);
+  shadow_maps_ = depth_maps(context, settings.map_size, views_.size());
+}
+
+void Lighting::make_views(const Scene& scene, const LightSettings& settings) {
+  const Sphere focus = shadow_focus(scene);
+  Bounds everything;
+  for (const SceneMeshes::Range& range : meshes_.ranges)
+    if (range.count) everything.add(range.bounds.low), everything.add(range.bounds.high);
+
+  std::vector<ShadowView> views;
+  const auto add = [&](const ShadowView& view, int skip) {
+    views.push_back(view);
+    views_.push_back({view.to_clip, skip});
+  };
+  std::vector<LightPoint> points;
+  for (const LightSample& sample : samples_.area) {
+    double nearest = INFINITY;
+    for (std::size_t i = 0; i < meshes_.ranges.size(); ++i)
+      if (static_cast<int>(i) != sample.object && meshes_.ranges[i].count)
+        nearest = std::min(nearest, distance(meshes_.ranges[i].bounds, sample.position));
+    if (!std::isfinite(nearest)) nearest = 0;
+    const std::uint32_t first = static_cast<std::uint32_t>(views.size());
+    for (const ShadowView& view : point_views(sample, focus, nearest, settings.map_size)) add(view, sample.object);
+    points.push_back({sample.position, sample.normal, sample.intensity, first,
+                      static_cast<std::uint32_t>(views.size()) - first, sample.two_sided});
+  }
+  const LightingHeader header{static_cast<std::uint32_t>(points.size()),
+                              static_cast<std::uint32_t>(samples_.directions.size()),
+                              static_cast<std::uint32_t>(views.size()), static_cast<float>(settings.map_size),
+                              samples_.environment};
+  for (const glm::vec3& direction : samples_.directions)
+    add(direction_view(direction, focus, everything, settings.map_size), -1);
+
+  std::vector<std::byte> bytes(sizeof header + points.size() * sizeof(LightPoint));
+  std::memcpy(bytes.data(), &header, sizeof header);
+  if (!points.empty()) std::memcpy(bytes.data() + sizeof header, points.data(), points.size() * sizeof(LightPoint));
+  lights_ = gpu::make_buffer(context_, bytes, "lights");
+  view_buffer_ = gpu::make_buffer(context_, views, "shadow views");
+}
+
+void Lighting::record_shadow_maps(gpu::Commands& commands) const {
+  if (views_.empty()) return;
+  const auto timer = commands.time("shadow maps");
+  commands.concurrent([&] {
+    for (std::uint32_t layer = 0; layer < views_.size(); ++layer) {
+      gpu::Targets targets;
+      targets.size = glm::ivec2(shadow_maps_.spec().size);
+      targets.depth = &shadow_maps_;
+      targets.depth_layer = layer;
+      commands.begin_rendering(targets);
+      for (std::size_t i = 0; i < meshes_.ranges.size(); ++i)
+        if (static_cast<int>(i) != views_[layer].skip && meshes_.ranges[i].count)
+          commands.draw(closed_[i] ? closed_casters_ : open_casters_, {}, meshes_.geometry(i), views_[layer].to_clip);
+      commands.end_rendering();
+    }
+  });
+}
+
+void Lighting::record_gather(gpu::Commands& commands, const gpu::Buffer& receivers, std::uint32_t count, double eta,
+                             const gpu::Buffer& flux) const {
+  const auto timer = commands.time("gather");
+  gpu::Bindings all = bindings();
+  all.push_back({"receivers", receivers});
+  all.push_back({"flux", flux});
+  commands.dispatch(gather_, {count, 1, 1}, all,
+                    GatherPush{count, static_cast<float>(eta), static_cast<float>(1 - diffuse_reflectance(eta))});
+}
+
+gpu::Bindings Lighting::bindings() const {
+  return {{"lighting", lights_}, {"views", view_buffer_}, {"shadow_maps", shadow_maps_, compare_}};
+}
+
+}  // namespace alabaster

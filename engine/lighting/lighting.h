@@ -1,0 +1,60 @@
+// Shadow maps of all light samples, and the gather of the light that enters at receivers.
+#pragma once
+
+#include "gpu/commands.h"
+#include "lighting/lights.h"
+#include "lighting/meshes.h"
+#include "shared/lighting.h"
+
+namespace alabaster {
+
+struct LightSettings {
+  int samples = 32;     // points on area lights
+  int directions = 64;  // of the environment that are tested for what blocks it
+  int map_size = 512;   // texels along a shadow map's edge
+};
+
+/// The lights of one scene. Use: make it, record the shadow maps, then gather or shade as often as wanted.
+class Lighting {
+ public:
+  /// Samples the lights and uploads them. Throws UserError for settings out of range, gpu::DeviceError where the maps do
+  /// not fit. `meshes` must live as long.
+  Lighting(gpu::Context& context, const Scene& scene, const SceneMeshes& meshes, const LightSettings& settings = {});
+
+  /// Draws every map (stage "shadow maps").
+  void record_shadow_maps(gpu::Commands& commands) const;
+
+  /// flux[i] = integral F_t(w) L (n.w) dw at receivers[i], W/m^2 per channel: Gamma_s of the report's Eq. 5 without the
+  /// factor exp(-sigma_a / sigma_s'). `receivers` holds `count` Receiver (shared/lighting.h), `flux` as many vec3. `eta` is
+  /// index inside / outside of their surface; with 1 it is plain irradiance. Stage "gather".
+  void record_gather(gpu::Commands& commands, const gpu::Buffer& receivers, std::uint32_t count, double eta,
+                     const gpu::Buffer& flux) const;
+
+  /// What a shader that includes lighting/gather.glsl needs.
+  gpu::Bindings bindings() const;
+
+  const LightSamples& samples() const { return samples_; }
+  std::uint32_t maps() const { return static_cast<std::uint32_t>(views_.size()); }
+  const gpu::Image& shadow_maps() const { return shadow_maps_; }
+  glm::vec3 environment() const { return samples_.environment; }
+
+ private:
+  struct View {
+    glm::mat4 to_clip;
+    int skip;  // object that casts no shadow in it: the light itself; -1 none
+  };
+  void make_views(const Scene& scene, const LightSettings& settings);
+
+  gpu::Context& context_;
+  const SceneMeshes& meshes_;
+  LightSamples samples_;
+  std::vector<View> views_;
+  std::vector<bool> closed_;  // by object
+  gpu::Buffer lights_, view_buffer_;
+  gpu::Image shadow_maps_;
+  gpu::Sampler compare_;
+  gpu::RasterPass closed_casters_, open_casters_;
+  gpu::Pass gather_;
+};
+
+}  // namespace alabaster

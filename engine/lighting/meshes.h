@@ -1,0 +1,27 @@
+// All triangles of a scene on the device, for shadow maps and pictures.
+#pragma once
+
+#include <vector>
+
+#include "gpu/raster.h"
+#include "scene/scene.h"
+
+namespace alabaster {
+
+struct SceneMeshes {
+  struct Range {
+    std::uint32_t first = 0, count = 0;  // triangles
+    Bounds bounds;                       // m
+  };
+  gpu::Buffer positions;      // vec3, m
+  gpu::Buffer triangles;      // uvec3 into positions
+  std::vector<Range> ranges;  // by object
+
+  gpu::Geometry geometry(std::size_t object) const {
+    return {&positions, &triangles, 3 * ranges[object].count, 3 * ranges[object].first};
+  }
+};
+
+SceneMeshes upload_meshes(gpu::Context& context, const Scene& scene);
+
+}  // namespace alabaster

@@ -1,0 +1,224 @@
+#include "shading/shading.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "scene/error.h"
+#include "shared/optics.h"
+#include "shared/shading.h"
+
+namespace alabaster {
+
+static_assert(sizeof(CameraRays) == 60 && sizeof(PlainObject) == 20 && sizeof(TranslucentPush) == 112);
+
+namespace {
+
+constexpr VkFormat id_format = VK_FORMAT_R32_UINT;
+
+gpu::RasterOptions id_and_depth() {
+  gpu::RasterOptions options;
+  options.color = {id_format};
+  options.depth = VK_FORMAT_D32_SFLOAT;
+  return options;
+}
+
+CameraRays camera_rays(const Camera& camera, const Frame& frame) {
+  const float tangent = std::tan(0.5f * camera.y_fov);
+  const float aspect = static_cast<float>(frame.size.x) / static_cast<float>(frame.size.y);
+  const glm::mat4& m = camera.to_world;
+  const auto axis = [&](int i) { return glm::normalize(glm::vec3(m[i])); };
+  return {glm::vec3(m[3]), axis(0) * (tangent * aspect),   axis(1) * -tangent, -axis(2),
+          glm::uvec2(frame.size), static_cast<std::uint32_t>(std::lround(std::sqrt(frame.samples)))};
+}
+
+/// Perspective without a far plane: z / w = 1 - near / w.
+glm::mat4 to_clip(const CameraRays& rays, const SceneMeshes& meshes) {
+  double nearest = INFINITY, farthest = 0;
+  for (const SceneMeshes::Range& range : meshes.ranges) {
+    if (!range.count) continue;
+    const glm::vec3 out = glm::max(glm::max(range.bounds.low - rays.eye, rays.eye - range.bounds.high), glm::vec3(0));
+    nearest = std::min<double>(nearest, glm::length(out));
+    farthest = std::max<double>(farthest, glm::length(range.bounds.size()) + glm::length(out));
+  }
+  const double near = std::max(std::isfinite(nearest) ? 0.5 * nearest : 0, std::max(1e-5 * farthest, 1e-9));
+  const glm::dvec3 eye = rays.eye;
+  const auto row = [&](glm::vec3 v) {
+    const glm::dvec3 axis = glm::dvec3(v) / double(glm::dot(v, v));
+    return glm::dvec4(axis, -glm::dot(axis, eye));
+  };
+  const glm::dvec4 w = row(rays.forward);
+  return glm::mat4(glm::transpose(glm::dmat4(row(rays.right), row(rays.down), w - glm::dvec4(0, 0, 0, near), w)));
+}
+
+gpu::Image image2d(gpu::Context& context, glm::ivec2 size, VkFormat format, const char* name) {
+  gpu::ImageSpec spec;
+  spec.size = {size, 1};
+  spec.format = format;
+  spec.type = VK_IMAGE_TYPE_2D;
+  if (format == VK_FORMAT_D32_SFLOAT)
+    spec.usage = VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT;
+  else if (format == id_format)
+    spec.usage = VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_SAMPLED_BIT;
+  return gpu::Image(context, spec, name);
+}
+
+/// The images that shading/visible.glsl adds up in.
+struct Sums {
+  Sums(gpu::Context& context, glm::ivec2 size)
+      : multiple(image2d(context, size, format, "multiple")),
+        surface(image2d(context, size, format, "surface")),
+        fluence(image2d(context, size, format, "fluence")),
+        gamma_s(image2d(context, size, format, "gamma_s")),
+        normals(image2d(context, size, format, "normals")) {}
+  static constexpr VkFormat format = VK_FORMAT_R32G32B32A32_SFLOAT;
+  gpu::Image multiple, surface, fluence, gamma_s, normals;
+};
+
+/// Opaque and emissive objects, and the index of each triangle's object among them.
+struct PlainObjects {
+  std::vector<PlainObject> objects;
+  std::vector<std::int32_t> of_triangle;  // -1: translucent
+};
+
+PlainObjects plain_objects(const Scene& scene) {
+  PlainObjects plain;
+  for (const Object& object : scene.objects) {
+    const bool emissive = object.role == Role::emissive;
+    const int index = object.role == Role::translucent ? -1 : static_cast<int>(plain.objects.size());
+    if (index >= 0) plain.objects.push_back({emissive ? object.radiance : object.albedo, emissive, object.two_sided});
+    plain.of_triangle.insert(plain.of_triangle.end(), object.mesh.triangles.size(), index);
+  }
+  return plain;
+}
+
+TranslucentPush translucent_push(const Shading::Input& input, const TranslucentSurface& surface,
+                                 const CameraRays& rays) {
+  const SceneMeshes::Range& range = input.meshes.ranges[surface.object];
+  const double eta = input.scene.objects[surface.object].eta;
+  const double f_dr = internal_diffuse_reflectance(eta);
+  TranslucentPush push;
+  push.camera = rays;
+  push.first = range.first;
+  push.count = range.count;
+  push.grid_low = surface.frame.origin;
+  push.grid_inverse = 1.0f / (surface.frame.h * glm::vec3(surface.frame.cells));
+  push.eta = static_cast<float>(eta);
+  push.A = static_cast<float>(boundary_constant(f_dr));
+  push.f_dt = static_cast<float>(1 - f_dr);
+  push.f_dt_outer = static_cast<float>(1 - diffuse_reflectance(eta));
+  push.exit_scale = input.exit == Exit::as_printed ? 1.0f : static_cast<float>(1 / (eta * eta));
+  return push;
+}
+
+void check_frame(const Frame& frame) {
+  const int edge = static_cast<int>(std::lround(std::sqrt(std::max(frame.samples, 0))));
+  if (edge * edge != frame.samples || edge < 1 || edge > 5)
+    throw UserError("picture: " + std::to_string(frame.samples) + " samples a pixel; choose 1, 4, 9, 16 or 25");
+  if (frame.size.x < 1 || frame.size.y < 1)
+    throw UserError("picture: --size " + std::to_string(frame.size.x) + "x" + std::to_string(frame.size.y) +
+                    " has no pixels; choose a positive width and height");
+}
+
+/// From the pixel sums to named planes.
+ShadedPicture planes(gpu::Context& context, const Sums& sums, glm::ivec2 size) {
+  const auto multiple = gpu::download<glm::vec4>(context, sums.multiple);
+  const auto surface = gpu::download<glm::vec4>(context, sums.surface);
+  const auto fluence = gpu::download<glm::vec4>(context, sums.fluence);
+  const auto gamma_s = gpu::download<glm::vec4>(context, sums.gamma_s);
+  const auto normals = gpu::download<glm::vec4>(context, sums.normals);
+
+  ShadedPicture result;
+  Picture& picture = result.picture;
+  picture.width = size.x;
+  picture.height = size.y;
+  const std::size_t n = multiple.size();
+  const auto fill = [&](const std::string& name, auto value) {
+    std::vector<float>& plane = picture.plane(name);
+    for (std::size_t i = 0; i < n; ++i) plane[i] = value(i);
+  };
+  const auto mean = [](float sum, float share) { return share > 0 ? sum / share : 0.0f; };
+  const char* const rgb[] = {"R", "G", "B"};
+  const char* const xyz[] = {"N.X", "N.Y", "N.Z"};
+  for (int c = 0; c < 3; ++c) {
+    const std::string channel = rgb[c];
+    fill(channel, [&](std::size_t i) { return multiple[i][c] + surface[i][c]; });
+    fill("multiple." + channel, [&](std::size_t i) { return multiple[i][c]; });
+    fill("surface." + channel, [&](std::size_t i) { return surface[i][c]; });
+    fill("fluence." + channel, [&](std::size_t i) { return mean(fluence[i][c], multiple[i].a); });
+    fill("gamma_s." + channel, [&](std::size_t i) { return mean(gamma_s[i][c], multiple[i].a); });
+    fill(xyz[c], [&](std::size_t i) { return mean(normals[i][c], glm::length(glm::vec3(normals[i]))); });
+  }
+  fill("Z", [&](std::size_t i) { return mean(fluence[i].a, gamma_s[i].a); });
+  fill("object.Y", [&](std::size_t i) { return multiple[i].a; });
+
+  std::size_t translucent = 0;
+  for (std::size_t i = 0; i < n; ++i) {
+    translucent += multiple[i].a > 0;
+    result.negative_pixels += surface[i].a > 0;
+  }
+  if (translucent) result.negative_share = static_cast<double>(result.negative_pixels) / static_cast<double>(translucent);
+  return result;
+}
+
+}  // namespace
+
+Shading::Shading(gpu::Context& context)
+    : context_(context),
+      linear_(context, gpu::Filter::linear),
+      nearest_(context, gpu::Filter::nearest),
+      visibility_(context, "shading/visibility.vert", "shading/visibility.frag", id_and_depth()),
+      plain_(context, "shading/plain.comp"),
+      translucent_(context, "shading/translucent.comp") {}
+
+ShadedPicture Shading::shade(const Input& input) const {
+  check_frame(input.frame);
+  const glm::ivec2 size = input.frame.size;
+  const CameraRays rays = camera_rays(input.camera, input.frame);
+  const glm::ivec2 fine = size * static_cast<int>(rays.edge);
+  const gpu::Image ids = image2d(context_, fine, id_format, "visible");
+  const gpu::Image depth = image2d(context_, fine, VK_FORMAT_D32_SFLOAT, "depth");
+  const Sums sums(context_, size);
+  const PlainObjects plain = plain_objects(input.scene);
+  const gpu::Buffer objects = gpu::make_buffer(context_, plain.objects, "plain objects");
+  const gpu::Buffer triangle_objects = gpu::make_buffer(context_, plain.of_triangle, "objects of triangles");
+
+  gpu::Commands commands(context_);
+  {
+    const auto timer = commands.time("visibility");
+    commands.begin_rendering({size * static_cast<int>(rays.edge), {{&ids}}, &depth});
+    const glm::mat4 matrix = to_clip(rays, input.meshes);
+    for (std::size_t i = 0; i < input.meshes.ranges.size(); ++i)
+      if (input.meshes.ranges[i].count)
+        commands.draw(visibility_, {}, input.meshes.geometry(i), VisibilityPush{matrix, input.meshes.ranges[i].first});
+    commands.end_rendering();
+  }
+  gpu::Bindings shared = input.lighting.bindings();
+  for (const gpu::Binding& b : gpu::Bindings{{"visible", ids, nearest_},
+                                             {"positions", input.meshes.positions},
+                                             {"triangles", input.meshes.triangles},
+                                             {"multiple", sums.multiple},
+                                             {"surface", sums.surface},
+                                             {"fluence", sums.fluence},
+                                             {"gamma_s", sums.gamma_s},
+                                             {"normals", sums.normals}})
+    shared.push_back(b);
+  const glm::uvec3 threads = {rays.size, 1};
+  {
+    const auto timer = commands.time("plain");
+    gpu::Bindings bindings = shared;
+    bindings.push_back({"objects", objects});
+    bindings.push_back({"triangle_objects", triangle_objects});
+    commands.dispatch(plain_, threads, bindings, rays);
+  }
+  for (const TranslucentSurface& surface : input.surfaces) {
+    const auto timer = commands.time("translucent");
+    gpu::Bindings bindings = shared;
+    bindings.push_back({"phi", *surface.fluence, linear_});
+    bindings.push_back({"reduced", *surface.reduced_intensity, linear_});
+    commands.dispatch(translucent_, threads, bindings, translucent_push(input, surface, rays));
+  }
+  commands.submit();
+  return planes(context_, sums, size);
+}
+
+}  // namespace alabaster

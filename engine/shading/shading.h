@@ -1,0 +1,63 @@
+// The picture of a lit scene: what each pixel sees, the surface query on translucent objects, plain shading elsewhere.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "domain/grid_frame.h"
+#include "image/picture.h"
+#include "lighting/lighting.h"
+
+namespace alabaster {
+
+enum class Exit { report, as_printed };  // radiance leaves with F_t / eta^2, or with F_t (Eq. 14 as printed)
+
+/// What the solver knows of one translucent object.
+struct TranslucentSurface {
+  int object = 0;                                // index in Scene::objects
+  const gpu::Image* fluence = nullptr;           // 3D rgba: phi on the surface in rgb, W/m^2, sampled trilinearly
+  const gpu::Image* reduced_intensity = nullptr;  // 3D rgba: exp(-sigma_a / sigma_s') in rgb; one texel for a constant
+  GridFrame frame;                               // of `fluence`; texel (i, j, k) is at origin + h (i + 0.5, ...)
+};
+
+struct Frame {
+  glm::ivec2 size{640, 480};  // pixels
+  int samples = 4;            // a pixel: 1, 4, 9, 16 or 25, on a regular grid
+};
+
+struct ShadedPicture {
+  /// R, G, B = multiple + surface. multiple.*: light from inside; surface.*: opaque and emissive objects, background,
+  /// and on translucent objects the constant environment mirrored by Fresnel (unoccluded; area lights are not mirrored).
+  /// fluence.*, gamma_s.*: W/m^2, mean over the pixel's translucent part, 0 without one. N.X, N.Y, N.Z: unit world normal,
+  /// and Z: distance from the eye in metres, both means over what the pixel sees, 0 where it sees nothing.
+  /// object.Y: share of the pixel that is translucent.
+  Picture picture;
+  std::size_t negative_pixels = 0;  // the query's bracket was negative in a channel and was set to 0
+  double negative_share = 0;        // of the pixels that see translucent objects
+};
+
+class Shading {
+ public:
+  explicit Shading(gpu::Context& context);
+
+  struct Input {
+    const Scene& scene;
+    const SceneMeshes& meshes;
+    const Lighting& lighting;  // its shadow maps drawn
+    std::vector<TranslucentSurface> surfaces;  // translucent objects that are not listed stay black
+    Camera camera;
+    Frame frame;
+    Exit exit = Exit::report;
+  };
+  /// Draws the picture (stages "visibility", "plain", "translucent") and fetches it. Throws UserError for a frame that
+  /// makes no sense.
+  ShadedPicture shade(const Input& input) const;
+
+ private:
+  gpu::Context& context_;
+  gpu::Sampler linear_, nearest_;
+  gpu::RasterPass visibility_;
+  gpu::Pass plain_, translucent_;
+};
+
+}  // namespace alabaster

@@ -1,0 +1,66 @@
+// Gathers the light of all samples at a point: E_t = integral F_t(w) L (n.w) dw, the report's Eq. 5 without its
+// exponential. Needs scalar block layout; takes bindings 0 to 2.
+#include "shared/lighting.h"
+
+layout(binding = 0, scalar) readonly buffer Lights { LightingHeader lighting; LightPoint points[]; };
+layout(binding = 1, scalar) readonly buffer Views { ShadowView views[]; };
+layout(binding = 2) uniform sampler2DArrayShadow shadow_maps;
+
+// 1 lit, 0 in shadow, between at a shadow's edge (2x2 comparisons, bilinear); `inside` says whether the map holds the
+// point.
+float look_up(uint view, vec3 position, vec3 normal, float slack, out bool inside) {
+  const mat4 to_clip = views[view].to_clip;
+  vec4 clip = to_clip * vec4(position, 1);
+  const vec4 clip_normal = to_clip * vec4(normal, 0);
+  clip += (slack + shadow_shift(clip_normal.x, clip_normal.y, clip.w, views[view].half_width, lighting.map_size)) *
+          clip_normal;
+  inside = max(abs(clip.x), abs(clip.y)) < clip.w;
+  if (!inside) return 1;
+  const vec3 p = clip.xyz / clip.w;
+  return texture(shadow_maps, vec4(0.5 * p.xy + 0.5, view, p.z));
+}
+
+vec3 gather_points(vec3 position, vec3 normal, float slack, float eta) {
+  vec3 sum = vec3(0);
+  for (uint i = 0; i < lighting.points; ++i) {
+    const LightPoint light = points[i];
+    const vec3 to_light = light.position - position;
+    const float distance2 = dot(to_light, to_light);
+    const vec3 w = to_light * inversesqrt(max(distance2, 1e-30));
+    const float cos_receiver = dot(normal, w);
+    const float cos_front = -dot(light.normal, w);
+    const float cos_light = light.two_sided != 0 ? abs(cos_front) : cos_front;
+    if (cos_receiver <= 0 || cos_light <= 0) continue;
+    float lit = 1;
+    for (uint v = 0; v < light.views; ++v) {
+      bool inside;
+      lit = look_up(light.first_view + v, position, normal, slack, inside);
+      if (inside) break;
+    }
+    sum += light.intensity * (lit * point_transfer(cos_receiver, cos_light, distance2, eta));
+  }
+  return sum;
+}
+
+// Share of the uniform environment's transmitted flux that is not blocked. What is blocked is sampled and what is open
+// is in closed form, so an unblocked point gets exactly pi L (1 - F_dr).
+float environment_openness(vec3 position, vec3 normal, float slack, float eta) {
+  float blocked = 0, all = 0;
+  for (uint i = 0; i < lighting.directions; ++i) {
+    const uint view = lighting.first_view + i;
+    // Row 2 of an orthographic map points along the light's way.
+    const vec3 w = -normalize(vec3(views[view].to_clip[0][2], views[view].to_clip[1][2], views[view].to_clip[2][2]));
+    const float cos_receiver = dot(normal, w);
+    if (cos_receiver <= 0) continue;
+    const float weight = cos_receiver * fresnel_transmittance(cos_receiver, eta);
+    bool inside;
+    all += weight;
+    blocked += weight * (1 - look_up(view, position, normal, slack, inside));
+  }
+  return all > 0 ? 1 - blocked / all : 1;
+}
+
+vec3 gather(vec3 position, vec3 normal, float slack, float eta, float f_dt_outer) {
+  return gather_points(position, normal, slack, eta) +
+         lighting.environment * (3.14159265358979 * f_dt_outer * environment_openness(position, normal, slack, eta));
+}

@@ -1,0 +1,60 @@
+// What a pixel sees, one surface at a time: samples of a pixel that see the same triangle are shaded once, at their mean
+// place, with the triangle's own normal. Takes bindings 3 to 10.
+#include "shared/shading.h"
+
+layout(binding = 3) uniform usampler2D visible;  // triangle + 1 of each sample
+layout(binding = 4, scalar) readonly buffer Positions { vec3 positions[]; };
+layout(binding = 5, scalar) readonly buffer Triangles { uvec3 triangles[]; };
+// Sums over the pixel's samples, each weighted by its share.
+layout(binding = 6, rgba32f) uniform image2D multiple;  // rgb, share of translucent
+layout(binding = 7, rgba32f) uniform image2D surface;   // rgb, share whose query bracket is negative
+layout(binding = 8, rgba32f) uniform image2D fluence;   // rgb, distance
+layout(binding = 9, rgba32f) uniform image2D gamma_s;   // rgb, share that sees anything
+layout(binding = 10, rgba32f) uniform image2D normals;  // xyz
+
+struct Hit {
+  uint triangle;
+  float weight;  // share of the pixel
+  vec3 position;
+  vec3 normal;  // of the face
+  vec3 to_eye;  // unit
+  float distance;
+};
+
+uint sample_id(CameraRays camera, uvec2 pixel, uint s) {
+  return texelFetch(visible, ivec2(pixel * camera.edge + uvec2(s % camera.edge, s / camera.edge)), 0).x;
+}
+
+// The first sample of `todo` and all that see the same triangle; takes them off `todo`.
+Hit next_hit(CameraRays camera, uvec2 pixel, inout uint todo) {
+  const uint samples = camera.edge * camera.edge;
+  const uint id = sample_id(camera, pixel, uint(findLSB(todo)));
+  vec2 place = vec2(0);
+  float number = 0;
+  for (uint s = 0; s < samples; ++s) {
+    if (sample_id(camera, pixel, s) != id) continue;
+    todo &= ~(1u << s);
+    place += vec2(s % camera.edge, s / camera.edge) + 0.5;
+    number += 1;
+  }
+  Hit hit;
+  hit.triangle = id - 1;
+  hit.weight = number / float(samples);
+  const vec2 screen = 2 * (vec2(pixel) + place / (number * float(camera.edge))) / vec2(camera.size) - 1;
+  const vec3 ray = camera.forward + screen.x * camera.right + screen.y * camera.down;
+
+  // Moeller-Trumbore, held inside the triangle, which edge-on rays would leave by rounding.
+  const uvec3 t = triangles[hit.triangle];
+  const vec3 a = positions[t.x], ab = positions[t.y] - a, ac = positions[t.z] - a;
+  const vec3 p = cross(ray, ac), from_a = camera.eye - a, q = cross(from_a, ab);
+  const float det = dot(ab, p);
+  const float inverse = abs(det) > 1e-35 ? 1 / det : 0;
+  vec2 uv = clamp(vec2(dot(from_a, p), dot(ray, q)) * inverse, 0, 1);
+  uv /= max(1, uv.x + uv.y);
+  hit.position = a + uv.x * ab + uv.y * ac;
+  hit.normal = normalize(cross(ab, ac));
+  const vec3 to_eye = camera.eye - hit.position;
+  hit.distance = length(to_eye);
+  hit.to_eye = to_eye / hit.distance;
+  return hit;
+}

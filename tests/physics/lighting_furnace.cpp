@@ -1,0 +1,77 @@
+// The furnace of the shading alone: with sigma_a = 0 a convex object in uniform light L has Gamma_s = pi L (1 - F_dr,ext)
+// everywhere, and phi = 4 Gamma_s / F_dt solves the DSBC. Then what it sends out and what it mirrors add up to L.
+#include "scene/shapes.h"
+#include "shading/shading.h"
+#include "shared/optics.h"
+#include "support/device.h"
+
+namespace alabaster {
+namespace {
+
+struct Furnace {
+  double worst = 0, mean = 0;  // |R / L - 1| and R / L over pixels that the object fills
+  std::size_t pixels = 0;
+};
+
+class LightingFurnace : public GpuTest {
+ protected:
+  Furnace run(Mesh mesh, double eta, Exit exit) {
+    Scene scene;
+    Object object;
+    object.role = Role::translucent;
+    object.mesh = std::move(mesh);
+    object.eta = eta;
+    scene.objects.push_back(object);
+    scene.environment.radiance = {2, 1, 0.5};
+    const SceneMeshes meshes = upload_meshes(context, scene);
+    LightSettings settings;
+    settings.map_size = 256;
+    const Lighting lighting(context, scene, meshes, settings);
+    gpu::Commands commands(context);
+    lighting.record_shadow_maps(commands);
+    commands.submit();
+
+    const double f_dt = 1 - internal_diffuse_reflectance(eta);
+    const glm::vec3 gamma = scene.environment.radiance * static_cast<float>(M_PI * (1 - diffuse_reflectance(eta)));
+    const gpu::Image phi = gpu::image3d(context, {1, 1, 1}, VK_FORMAT_R32G32B32A32_SFLOAT, "phi");
+    const gpu::Image one = gpu::image3d(context, {1, 1, 1}, VK_FORMAT_R32G32B32A32_SFLOAT, "one");
+    gpu::upload(context, phi, std::vector<glm::vec4>{glm::vec4(gamma * static_cast<float>(4 / f_dt), 1)});
+    gpu::upload(context, one, std::vector<glm::vec4>{glm::vec4(1)});
+    Camera camera;
+    camera.to_world = look_at({1.5, 2, 4}, {0, 0, 0});
+    const ShadedPicture shaded = Shading(context).shade(
+        {scene, meshes, lighting, {{0, &phi, &one, {{1, 1, 1}, 1, {0, 0, 0}}}}, camera, {{160, 120}, 4}, exit});
+    if (const char* path = std::getenv("ALABASTER_TEST_PNG")) write_png(shaded.picture, path);
+
+    Furnace furnace;
+    for (int c = 0; c < 3; ++c) {
+      const auto& plane = shaded.picture.channels.at(std::string(1, "RGB"[c]));
+      for (std::size_t i = 0; i < plane.size(); ++i) {
+        if (shaded.picture.channels.at("object.Y")[i] < 1) continue;
+        const double ratio = plane[i] / scene.environment.radiance[c];
+        furnace.worst = std::max(furnace.worst, std::abs(ratio - 1));
+        furnace.mean += ratio;
+        ++furnace.pixels;
+      }
+    }
+    furnace.mean /= static_cast<double>(furnace.pixels);
+    EXPECT_EQ(shaded.negative_pixels, 0);
+    return furnace;
+  }
+};
+
+TEST_F(LightingFurnace, ConvexObjectsAreAsBrightAsTheLight) {
+  const Mesh shapes[] = {icosphere(4, 1), ellipsoid(4, {1, 0.5f, 0.3f}), box({1, 0.7f, 1.2f}, 3)};
+  for (double eta : {1.0, 1.3, 1.5})
+    for (const Mesh& mesh : shapes) {
+      const Furnace furnace = run(mesh, eta, Exit::report);
+      EXPECT_GT(furnace.pixels, 1000u);
+      EXPECT_LT(furnace.worst, 0.005) << "eta " << eta;
+      EXPECT_NEAR(furnace.mean, 1, 0.001) << "eta " << eta;
+      RecordProperty("worst", std::to_string(furnace.worst));
+      printf("eta %.1f worst %.2e mean-1 %.2e\n", eta, furnace.worst, furnace.mean - 1);
+    }
+}
+
+}  // namespace
+}  // namespace alabaster
