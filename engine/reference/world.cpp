@@ -1,0 +1,255 @@
+#include "reference/world.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <stdexcept>
+
+#include "scene/error.h"
+
+namespace alabaster {
+namespace {
+
+constexpr int distance_cells = 64;  // along an object's longest side
+constexpr float worth_depth = 10;   // mean free paths across below which distances are not worth their making
+constexpr float rounding = 1e-5f;   // relative slack of every stored distance
+
+float largest(glm::vec3 v) { return std::max({v.x, v.y, v.z}); }
+
+// Distance to a triangle: by the Voronoi regions of its vertices, edges and face.
+float squared_distance(glm::vec3 p, glm::vec3 a, glm::vec3 b, glm::vec3 c) {
+  const auto to_segment = [&](glm::vec3 u, glm::vec3 v) {
+    const glm::vec3 e = v - u;
+    const float t = std::clamp(glm::dot(p - u, e) / std::max(glm::dot(e, e), 1e-30f), 0.0f, 1.0f);
+    const glm::vec3 d = p - (u + t * e);
+    return glm::dot(d, d);
+  };
+  const glm::vec3 n = glm::cross(b - a, c - a);
+  const bool over_face = glm::dot(glm::cross(b - a, p - a), n) >= 0 && glm::dot(glm::cross(c - b, p - b), n) >= 0 &&
+                         glm::dot(glm::cross(a - c, p - c), n) >= 0;
+  if (over_face && glm::dot(n, n) > 0) {
+    const float height = glm::dot(p - a, n);
+    return height * height / glm::dot(n, n);
+  }
+  return std::min({to_segment(a, b), to_segment(b, c), to_segment(c, a)});
+}
+
+}  // namespace
+
+// What a ray query carries to the filter.
+struct World::Query : RTCIntersectContext {
+  const World* world;
+  const Inside* inside;
+  Leaving leaving;
+};
+
+void World::accept_or_reject(const RTCFilterFunctionNArguments* call) {
+  const auto* query = static_cast<const Query*>(call->context);
+  const auto* ray = reinterpret_cast<const RTCRay*>(call->ray);
+  const auto* hit = reinterpret_cast<const RTCHit*>(call->hit);
+  const Body& body = query->world->bodies_[hit->geomID];
+  if (body.role != Role::translucent) {
+    if (hit->geomID == query->leaving.object && hit->primID == query->leaving.triangle) call->valid[0] = 0;
+    return;
+  }
+  const glm::vec3 n = query->world->shapes_[hit->geomID].normals[hit->primID];
+  const bool entering = ray->dir_x * n.x + ray->dir_y * n.y + ray->dir_z * n.z < 0;
+  if (entering == query->inside->holds(hit->geomID) || (entering && query->inside->full())) call->valid[0] = 0;
+}
+
+World::World(const Scene& scene) : device_(rtcNewDevice(nullptr)), environment_(scene.environment.radiance) {
+  if (!device_) throw std::runtime_error("Embree: no device could be made");
+  scene_.reset(rtcNewScene(device_.get()));
+  rtcSetSceneFlags(scene_.get(),
+                   static_cast<RTCSceneFlags>(RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION));
+  rtcSetSceneBuildQuality(scene_.get(), RTC_BUILD_QUALITY_HIGH);
+  float reach = 0;
+  for (const Object& object : scene.objects) {
+    Body body;
+    body.role = object.role;
+    body.medium = FlatMedium(object.medium);
+    body.eta = object.role == Role::translucent ? static_cast<float>(object.eta) : 1.0f;
+    body.albedo = object.albedo;
+    body.radiance = object.radiance;
+    body.two_sided = object.two_sided;
+    bodies_.push_back(body);
+    shapes_.push_back({object.mesh.positions, object.mesh.triangles, {}});
+    add_geometry(static_cast<std::uint32_t>(bodies_.size() - 1));
+    for (glm::vec3 p : object.mesh.positions) reach = std::max({reach, std::abs(p.x), std::abs(p.y), std::abs(p.z)});
+  }
+  nudge_ = 1e-6f * reach;
+  rtcCommitScene(scene_.get());
+  for (std::uint32_t id = 0; id < bodies_.size(); ++id) add_lights(id);
+  const double power = light_weights_.empty() ? 1 : light_weights_.back();
+  for (double& weight : light_weights_) weight /= power;
+  for (Body& body : bodies_)
+    body.light_density = static_cast<float>(static_cast<double>(largest(body.radiance)) / power);
+  distances_.resize(bodies_.size());
+  for (std::uint32_t id = 0; id < bodies_.size(); ++id)
+    if (bodies_[id].role == Role::translucent) build_distances(id);
+}
+
+void World::add_geometry(std::uint32_t id) {
+  Shape& shape = shapes_[id];
+  for (glm::uvec3 t : shape.triangles) {
+    const glm::dvec3 a(shape.positions[t.x]), b(shape.positions[t.y]), c(shape.positions[t.z]);
+    const glm::dvec3 n = glm::cross(b - a, c - a);
+    const double length = glm::length(n);
+    shape.normals.push_back(length > 0 ? glm::vec3(n / length) : glm::vec3(0, 0, 1));
+  }
+  RTCGeometry geometry = rtcNewGeometry(device_.get(), RTC_GEOMETRY_TYPE_TRIANGLE);
+  void* positions = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(glm::vec3),
+                                            shape.positions.size());
+  void* triangles = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, sizeof(glm::uvec3),
+                                            shape.triangles.size());
+  std::copy(shape.positions.begin(), shape.positions.end(), static_cast<glm::vec3*>(positions));
+  std::copy(shape.triangles.begin(), shape.triangles.end(), static_cast<glm::uvec3*>(triangles));
+  rtcCommitGeometry(geometry);
+  rtcAttachGeometryByID(scene_.get(), geometry, id);
+  rtcReleaseGeometry(geometry);
+}
+
+bool World::next_surface(glm::vec3 origin, glm::vec3 direction, float far, const Inside& inside, Leaving leaving,
+                         Hit& hit) const {
+  Query query;
+  rtcInitIntersectContext(&query);
+  query.filter = accept_or_reject;
+  query.world = this;
+  query.inside = &inside;
+  query.leaving = leaving;
+  RTCRayHit rh{};
+  rh.ray.org_x = origin.x, rh.ray.org_y = origin.y, rh.ray.org_z = origin.z;
+  rh.ray.dir_x = direction.x, rh.ray.dir_y = direction.y, rh.ray.dir_z = direction.z;
+  rh.ray.tfar = far;
+  rh.ray.mask = 0xffffffffu;
+  rh.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+  rtcIntersect1(scene_.get(), &query, &rh);
+  if (rh.hit.geomID == RTC_INVALID_GEOMETRY_ID) return false;
+  hit.distance = rh.ray.tfar;
+  hit.where = {rh.hit.geomID, rh.hit.primID};
+  const Shape& shape = shapes_[rh.hit.geomID];
+  hit.normal = shape.normals[rh.hit.primID];
+  // Back onto the triangle's plane: the distance alone would leave the point off it by the rounding of a long ray.
+  const glm::vec3 p = origin + rh.ray.tfar * direction;
+  const glm::vec3 corner = shape.positions[shape.triangles[rh.hit.primID].x];
+  hit.point = p - glm::dot(p - corner, hit.normal) * hit.normal;
+  return true;
+}
+
+void World::add_lights(std::uint32_t id) {
+  const Body& body = bodies_[id];
+  if (body.role != Role::emissive || largest(body.radiance) <= 0) return;
+  const Shape& shape = shapes_[id];
+  for (std::uint32_t t = 0; t < shape.triangles.size(); ++t) {
+    const glm::uvec3 v = shape.triangles[t];
+    const glm::dvec3 a(shape.positions[v.x]), b(shape.positions[v.y]), c(shape.positions[v.z]);
+    const double area = 0.5 * glm::length(glm::cross(b - a, c - a));
+    light_triangles_.push_back({id, t});
+    light_weights_.push_back((light_weights_.empty() ? 0.0 : light_weights_.back()) +
+                             area * static_cast<double>(largest(body.radiance)));
+  }
+}
+
+LightPoint World::sample_light(Random& random) const {
+  const auto pick =
+      std::upper_bound(light_weights_.begin(), light_weights_.end(), static_cast<double>(random.uniform()));
+  const Leaving at =
+      light_triangles_[std::min(static_cast<std::size_t>(pick - light_weights_.begin()), light_triangles_.size() - 1)];
+  const Shape& shape = shapes_[at.object];
+  const glm::uvec3 t = shape.triangles[at.triangle];
+  const float root = std::sqrt(random.uniform()), v = random.uniform() * root;
+  LightPoint light;
+  light.point = (1 - root) * shape.positions[t.x] + (root - v) * shape.positions[t.y] + v * shape.positions[t.z];
+  light.normal = shape.normals[at.triangle];
+  light.object = at.object;
+  return light;
+}
+
+// Signed crossings along one ray: from inside an object it is left once more often than it is entered.
+Inside World::inside_at(glm::vec3 point) const {
+  const glm::dvec3 direction = glm::normalize(glm::dvec3(0.3717, 0.8291, 0.4173));
+  Inside inside;
+  for (std::uint32_t id = 0; id < bodies_.size(); ++id) {
+    if (bodies_[id].role != Role::translucent || inside.full()) continue;
+    const Shape& shape = shapes_[id];
+    int leavings = 0;
+    for (glm::uvec3 t : shape.triangles) {
+      const glm::dvec3 a(shape.positions[t.x]), e(glm::dvec3(shape.positions[t.y]) - a),
+          f(glm::dvec3(shape.positions[t.z]) - a);
+      const glm::dvec3 n = glm::cross(e, f), s = glm::dvec3(point) - a;
+      const double rate = glm::dot(direction, n);
+      if (rate == 0) continue;
+      const double along = -glm::dot(s, n) / rate;
+      const glm::dvec3 p = s + along * direction;
+      const double u = glm::dot(glm::cross(p, f), n), v = glm::dot(glm::cross(e, p), n), whole = glm::dot(n, n);
+      if (along > 0 && u >= 0 && v >= 0 && u + v <= whole) leavings += rate > 0 ? 1 : -1;
+    }
+    if (leavings > 0) inside.push(id);
+  }
+  return inside;
+}
+
+bool World::nearest_of(RTCPointQueryFunctionArguments* call) {
+  const auto* world = static_cast<const World*>(call->userPtr);
+  const Shape& shape = world->shapes_[call->geomID];
+  const glm::uvec3 t = shape.triangles[call->primID];
+  const glm::vec3 p(call->query->x, call->query->y, call->query->z);
+  const float d = std::sqrt(squared_distance(p, shape.positions[t.x], shape.positions[t.y], shape.positions[t.z]));
+  if (d >= call->query->radius) return false;
+  call->query->radius = d;
+  return true;
+}
+
+float World::distance_to_surface(glm::vec3 point, float no_further_than) const {
+  RTCPointQueryContext context;
+  rtcInitPointQueryContext(&context);
+  RTCPointQuery query{point.x, point.y, point.z, 0.0f, no_further_than};
+  rtcPointQuery(scene_.get(), &query, &context, nearest_of, const_cast<World*>(this));
+  return query.radius;
+}
+
+void World::build_distances(std::uint32_t id) {
+  const Body& body = bodies_[id];
+  Bounds bounds;
+  for (glm::vec3 p : shapes_[id].positions) bounds.add(p);
+  const glm::vec3 size = bounds.size();
+  const float longest = std::max({size.x, size.y, size.z}), shortest = std::min({size.x, size.y, size.z});
+  if (body.medium.empty() || body.medium.least_sigma_t() * shortest < worth_depth) return;
+  DistanceGrid& grid = distances_[id];
+  grid.cell = longest / distance_cells;
+  grid.per_cell = 1 / grid.cell;
+  grid.low = bounds.low;
+  grid.size = glm::ivec3(glm::ceil(size * grid.per_cell)) + 1;
+  grid.distance.resize(static_cast<std::size_t>(grid.size.x) * static_cast<std::size_t>(grid.size.y) *
+                       static_cast<std::size_t>(grid.size.z));
+  tbb::parallel_for(0, grid.size.z, [&](int z) {
+    for (int y = 0; y < grid.size.y; ++y) {
+      float reach = INFINITY;  // the neighbour's distance and one cell bound this one's
+      for (int x = 0; x < grid.size.x; ++x) {
+        const glm::vec3 centre = grid.low + (glm::vec3(x, y, z) + 0.5f) * grid.cell;
+        const float d = distance_to_surface(centre, reach);
+        reach = d + grid.cell * (1 + 1e-3f);
+        const auto index =
+            (static_cast<std::size_t>(z) * static_cast<std::size_t>(grid.size.y) + static_cast<std::size_t>(y)) *
+                static_cast<std::size_t>(grid.size.x) +
+            static_cast<std::size_t>(x);
+        grid.distance[index] = d * (1 - rounding) - nudge_;
+      }
+    }
+  });
+}
+
+float World::clearance(std::uint32_t object, glm::vec3 point) const {
+  const DistanceGrid& grid = distances_[object];
+  if (grid.distance.empty()) return 0;
+  const glm::vec3 u = (point - grid.low) * grid.per_cell;
+  const glm::ivec3 cell = glm::clamp(glm::ivec3(u), glm::ivec3(0), grid.size - 1);
+  const glm::vec3 centre = grid.low + (glm::vec3(cell) + 0.5f) * grid.cell;
+  const auto index =
+      (static_cast<std::size_t>(cell.z) * static_cast<std::size_t>(grid.size.y) + static_cast<std::size_t>(cell.y)) *
+          static_cast<std::size_t>(grid.size.x) +
+      static_cast<std::size_t>(cell.x);
+  return grid.distance[index] - glm::length(point - centre);
+}
+
+}  // namespace alabaster

@@ -1,0 +1,129 @@
+// The scene as paths see it: what a ray meets next, how far the nearest surface is at the least, and the lights.
+#pragma once
+
+#include <embree3/rtcore.h>
+
+#include <array>
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <memory>
+#include <vector>
+
+#include "reference/media.h"
+#include "reference/random.h"
+#include "scene/scene.h"
+
+namespace alabaster {
+
+/// The translucent objects a path is in, innermost last. A surface is crossed only where the list allows it (an object
+/// is entered from outside and left from inside), so touching, overlapping and doubled faces cannot put a path on the
+/// wrong side.
+class Inside {
+ public:
+  bool holds(std::uint32_t object) const {
+    for (std::size_t i = 0; i < count_; ++i)
+      if (objects_[i] == object) return true;
+    return false;
+  }
+  bool empty() const { return count_ == 0; }
+  bool full() const { return count_ == objects_.size(); }
+  std::uint32_t top() const { return objects_[count_ - 1]; }
+  void push(std::uint32_t object) { objects_[count_++] = object; }
+  void remove(std::uint32_t object) {
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < count_; ++i)
+      if (objects_[i] != object) objects_[kept++] = objects_[i];
+    count_ = kept;
+  }
+
+ private:
+  std::array<std::uint32_t, 8> objects_{};
+  std::size_t count_ = 0;
+};
+
+struct Body {
+  Role role = Role::opaque;
+  FlatMedium medium;
+  float eta = 1;
+  glm::vec3 albedo{0};      // opaque
+  glm::vec3 radiance{0};    // emissive, W/m^2/sr
+  bool two_sided = false;   // emissive
+  float light_density = 0;  // emissive: probability per area that sample_light() picks a point, 1/m^2
+};
+
+constexpr std::uint32_t nothing = 0xffffffffu;
+
+/// The opaque triangle a ray leaves from.
+struct Leaving {
+  std::uint32_t object = nothing, triangle = nothing;
+};
+
+struct Hit {
+  float distance = INFINITY;  // m
+  Leaving where;
+  glm::vec3 point{0};   // m, on the triangle's plane
+  glm::vec3 normal{0};  // unit, the mesh's outside
+};
+
+struct LightPoint {
+  glm::vec3 point, normal;
+  std::uint32_t object = nothing;
+};
+
+class World {
+ public:
+  explicit World(const Scene& scene);
+
+  /// The first surface that matters within `far` (m): translucent ones that `inside` allows to be crossed, and every
+  /// other but the triangle that is left.
+  bool next_surface(glm::vec3 origin, glm::vec3 direction, float far, const Inside& inside, Leaving leaving,
+                    Hit& hit) const;
+
+  /// A lower bound of the distance (m) from a point inside `object` to any surface; 0 where nothing is known.
+  float clearance(std::uint32_t object, glm::vec3 point) const;
+
+  const Body& body(std::uint32_t object) const { return bodies_[object]; }
+  float nudge() const { return nudge_; }  // m: rays that leave a surface start this far before it
+  glm::vec3 environment() const { return environment_; }
+  bool has_lights() const { return !light_weights_.empty(); }
+  LightPoint sample_light(Random& random) const;
+  /// The objects that hold `point`.
+  Inside inside_at(glm::vec3 point) const;
+
+ private:
+  struct Shape {
+    std::vector<glm::vec3> positions;
+    std::vector<glm::uvec3> triangles;
+    std::vector<glm::vec3> normals;
+  };
+  /// Distances from cell centres to the nearest surface.
+  struct DistanceGrid {
+    glm::vec3 low{0};
+    float cell = 0, per_cell = 0;
+    glm::ivec3 size{0};
+    std::vector<float> distance;
+  };
+  struct EmbreeRelease {
+    void operator()(RTCDeviceTy* device) const { rtcReleaseDevice(device); }
+    void operator()(RTCSceneTy* scene) const { rtcReleaseScene(scene); }
+  };
+  struct Query;
+  static void accept_or_reject(const RTCFilterFunctionNArguments* call);
+  static bool nearest_of(RTCPointQueryFunctionArguments* call);
+  void add_geometry(std::uint32_t id);
+  void add_lights(std::uint32_t id);
+  void build_distances(std::uint32_t id);
+  float distance_to_surface(glm::vec3 point, float no_further_than) const;
+
+  std::unique_ptr<RTCDeviceTy, EmbreeRelease> device_;
+  std::unique_ptr<RTCSceneTy, EmbreeRelease> scene_;
+  std::vector<Body> bodies_;
+  std::vector<Shape> shapes_;
+  std::vector<DistanceGrid> distances_;
+  glm::vec3 environment_{0};
+  float nudge_ = 0;
+  std::vector<Leaving> light_triangles_;
+  std::vector<double> light_weights_;  // cumulative, ends at 1
+};
+
+}  // namespace alabaster
