@@ -57,11 +57,6 @@ int preferred_grid(Quality quality) {
   return 64;
 }
 
-void check_size(glm::ivec2 size) {
-  if (size.x < 1 || size.y < 1 || size.x > 16384 || size.y > 16384)
-    throw UserError("--size " + std::to_string(size.x) + "x" + std::to_string(size.y) + ": width and height must lie between 1 and 16384 pixels");
-}
-
 int choose_grid(const Scene& scene, const Request& request, Plan& plan, std::uint64_t heap_bytes) {
   const auto fits = [&](int grid) { return largest_object_bytes(scene, grid, plan.channels) <= heap_bytes / 10 * 8; };
   int grid = request.grid.value_or(preferred_grid(request.quality));
@@ -86,7 +81,6 @@ const char* name_of(Component component) { return component == Component::multip
 std::uint64_t bytes_per_cell(int channels) { return 60 + 120 * std::uint64_t(channels); }
 
 Plan make_plan(const Scene& scene, const Request& request, std::uint64_t heap_bytes) {
-  check_size(request.size);
   Plan plan;
   plan.size = request.size;
   plan.camera = find_camera(scene, request.camera);

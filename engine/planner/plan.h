@@ -49,7 +49,7 @@ struct Plan {
 /// Device memory that a solve needs, bytes for each cell of an object's grid.
 std::uint64_t bytes_per_cell(int channels);
 
-/// Throws UserError for an unknown camera, a camera inside an object, or a size or grid outside what is supported.
+/// Throws UserError for an unknown camera, a camera inside an object, or a grid outside what is supported.
 /// `heap_bytes` is the device's memory: a grid that cannot fit is refused here, before anything is allocated.
 Plan make_plan(const Scene& scene, const Request& request, std::uint64_t heap_bytes);
 

@@ -43,6 +43,13 @@ struct GatherPush {
   float f_dt_outer;  // 1 - F_dr of diffuse light from outside
 };
 
+// The surface pieces of a domain's cut cells as receivers.
+struct FacetPush {
+  vec3 origin;      // of the grid, m
+  float h;          // cell size, m
+  uint cut_cells;   // entries of Domain::cut_cells
+};
+
 // Transmitted share of a light point's intensity, 1/m^2: F_t times the two cosines over the squared distance.
 SHARED_FN real point_transfer(real cos_receiver, real cos_light, real distance2, real eta) {
   return fresnel_transmittance(cos_receiver, eta) * cos_receiver * cos_light / distance2;

@@ -1,0 +1,36 @@
+#include "arguments.h"
+
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+
+#include "scene/error.h"
+
+namespace alabaster {
+
+glm::ivec2 parse_size(const std::string& text) {
+  glm::ivec2 size{0};
+  int used = 0;
+  if (std::sscanf(text.c_str(), "%dx%d%n", &size.x, &size.y, &used) != 2 || used != static_cast<int>(text.size()))
+    throw UserError("--size " + text + ": write it as WIDTHxHEIGHT, for example 640x480");
+  if (size.x < 1 || size.y < 1 || size.x > 16384 || size.y > 16384)
+    throw UserError("--size " + text + ": width and height must lie between 1 and 16384 pixels");
+  return size;
+}
+
+void check_writable(const std::string& path) {
+  namespace fs = std::filesystem;
+  const fs::path folder = fs::path(path).has_parent_path() ? fs::path(path).parent_path() : fs::path(".");
+  if (!fs::is_directory(folder)) throw UserError(path + ": its folder " + folder.string() + " does not exist; make it first");
+  if (fs::is_directory(path)) throw UserError(path + ": is a folder; name a file in it");
+  if (access(folder.c_str(), W_OK) != 0) throw UserError(path + ": cannot be written (" + std::strerror(errno) + "); choose another place");
+}
+
+void print_warnings(const Scene& scene) {
+  for (const std::string& warning : scene.warnings) std::fprintf(stderr, "warning: %s\n", warning.c_str());
+}
+
+}  // namespace alabaster

@@ -1,0 +1,29 @@
+// Gamma_s on the facets of a cut-cell domain: the source of the diffuse field.
+#pragma once
+
+#include "domain/domain.h"
+#include "gpu/commands.h"
+#include "lighting/lighting.h"
+
+namespace alabaster {
+
+/// Buffers of one domain's facets. Made once, refilled whenever a light moves.
+class FacetSource {
+ public:
+  FacetSource(gpu::Context& context, const Domain& domain);
+
+  /// Gamma_s (report, Eq. 5) of each cut cell into gamma_s(). `reduced` holds exp(-sigma_a / sigma_s') as one vec3 a cut
+  /// cell, `eta` is index inside / outside. The shadow maps of `lighting` must have been recorded before.
+  void record(gpu::Commands& commands, const Lighting& lighting, const gpu::Buffer& reduced, double eta) const;
+
+  /// W/m^2, one vec3 an entry of Domain::cut_cells.
+  const gpu::Buffer& gamma_s() const { return gamma_s_; }
+
+ private:
+  const Domain& domain_;
+  std::uint32_t count_;  // entries of Domain::cut_cells
+  gpu::Pass receivers_pass_, source_pass_;
+  gpu::Buffer receivers_, flux_, gamma_s_;
+};
+
+}  // namespace alabaster
