@@ -253,8 +253,22 @@ class Builder {
           throw UserError(place + ": its node flattens it; give a scale without zeros");
       }
       object.mesh = checked_solid(object.mesh, name, document_.path, scene_.warnings);
+    } else {
+      drop_flat(object);
     }
-    scene_.objects.push_back(std::move(object));
+    if (!object.mesh.triangles.empty()) scene_.objects.push_back(std::move(object));
+  }
+
+  /// Opaque and emissive meshes may be open, but a triangle without area has no normal.
+  void drop_flat(Object& object) {
+    const std::vector<glm::vec3>& p = object.mesh.positions;
+    std::size_t flat = std::erase_if(object.mesh.triangles, [&](glm::uvec3 t) {
+      return glm::cross(glm::dvec3(p[t.y]) - glm::dvec3(p[t.x]), glm::dvec3(p[t.z]) - glm::dvec3(p[t.x])) ==
+             glm::dvec3(0);
+    });
+    if (flat > 0)
+      scene_.warnings.push_back("mesh '" + object.name + "': " + std::to_string(flat) +
+                                " triangles without area dropped");
   }
 
   void add_camera(int index, const std::string& node_name, const glm::dmat4& to_world) {
@@ -313,7 +327,11 @@ class Builder {
 
 Scene load_scene(const std::string& path) {
   Document document = open_document(path);
-  return Builder(document).build();
+  try {
+    return Builder(document).build();
+  } catch (const json::exception& error) {  // a list that is no list, where tinygltf looked away
+    throw UserError(path + ": not a readable glTF 2.0 file: " + one_line(error.what()) + "; export it again");
+  }
 }
 
 }  // namespace alabaster
