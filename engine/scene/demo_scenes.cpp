@@ -15,7 +15,7 @@
 namespace alabaster {
 namespace {
 
-constexpr float height = 0.1f;  // m
+constexpr double height = 0.1;  // m
 constexpr float gap = 2e-4f;    // m below the object, lest two surfaces lie in one plane
 
 enum class Light { front, back, furnace };
