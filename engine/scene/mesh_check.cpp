@@ -40,13 +40,15 @@ class Check {
 
   Mesh run() {
     simplify();
-    if (open_edges() > 0) weld_near();
+    EdgeTable edges(mesh_);
+    if (edges_with(edges, [](std::size_t n) { return n == 1; }) && weld_near()) edges = EdgeTable(mesh_);
     float size = mesh_.triangles.empty() ? 0 : glm::length(bounds_of(mesh_).size());
     if (area(mesh_) <= no_area * size * size) fail("has no area; give it a closed surface of some size");
-    orient();
-    if (close()) orient();  // a patch joins what it touches: the components change
+    bool regular = edges_with(edges, [](std::size_t n) { return n != 2; }) == 0;
+    orient(edges);
+    if (!regular && close()) orient(EdgeTable(mesh_));  // a patch joins what it touches: the components change
     turn_outwards();
-    check_balance();
+    if (!regular) check_balance();
     if (std::size_t gone = flip_needles(mesh_)) warn(count(gone, "triangle") + " without area replaced");
     return std::move(mesh_);
   }
@@ -61,30 +63,34 @@ class Check {
     if (duplicate) warn(count(duplicate, "duplicate triangle") + " dropped");
   }
 
-  std::size_t open_edges() const {
-    std::size_t open = 0;
-    EdgeTable(mesh_).for_each([&](std::span<const HalfEdge> edge) { open += edge.size() == 1; });
-    return open;
+  /// Number of edges whose number of triangles passes `test`.
+  template <typename Test>
+  static std::size_t edges_with(const EdgeTable& edges, Test test) {
+    std::size_t found = 0;
+    edges.for_each([&](std::span<const HalfEdge> edge) { found += test(edge.size()); });
+    return found;
   }
 
-  void weld_near() {
+  /// Whether there was anything to weld.
+  bool weld_near() {
     std::size_t before = mesh_.positions.size();
     Mesh nearer = welded(mesh_, second_weld * glm::length(bounds_of(mesh_).size()));
-    if (nearer.positions.size() == before) return;
+    if (nearer.positions.size() == before) return false;
     mesh_ = std::move(nearer);
     warn(count(before - mesh_.positions.size(), "vertex gap") + " closed by welding");
     simplify();
+    return true;
   }
 
   /// Fills component_ and turns triangles until both sides of every two-sided edge run against each other.
-  void orient() {
+  void orient(const EdgeTable& edges) {
     std::size_t n = mesh_.triangles.size();
     struct Neighbour {
       unsigned triangle = nobody;
       bool same_direction = false;  // as the mesh is given
     };
     std::vector<std::array<Neighbour, 3>> neighbours(n);
-    EdgeTable(mesh_).for_each([&](std::span<const HalfEdge> edge) {
+    edges.for_each([&](std::span<const HalfEdge> edge) {
       if (edge.size() == 2) {
         for (int i = 0; i < 2; ++i)
           neighbours[edge[i].triangle][edge[i].side] = {edge[1 - i].triangle, edge[0].up == edge[1].up};
