@@ -1,5 +1,7 @@
 #include "diffusion/twin.h"
 
+#include "diffusion/dense.h"
+
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_reduce.h>
 
@@ -190,41 +192,7 @@ void Multigrid::factor_coarsest() {
       int column = number[i + a.grid.shift(offset(k))];
       if (column >= 0) dense[std::size_t(row) * n + column] = a.coupling(i, offset(k));
     }
-  coarsest_inverse_ = invert_spd(std::move(dense), n);
-}
-
-Vector invert_spd(Vector a, int n) {
-  auto at = [n](Vector& m, int r, int c) -> double& { return m[std::size_t(r) * n + c]; };
-  Vector scale(n, 0.0), inverse(std::size_t(n) * n, 0.0);
-  for (int r = 0; r < n; ++r) scale[r] = at(a, r, r) > 0 ? 1 / std::sqrt(at(a, r, r)) : 0.0;
-  for (int r = 0; r < n; ++r)
-    for (int c = 0; c < n; ++c) at(a, r, c) *= scale[r] * scale[c];
-  for (int c = 0; c < n; ++c) {  // Cholesky of the scaled matrix, lower triangle in place
-    double pivot = at(a, c, c);
-    for (int k = 0; k < c; ++k) pivot -= at(a, c, k) * at(a, c, k);
-    bool usable = pivot > 1e-13;  // a coarse unknown that repeats another (or is none) is left out
-    at(a, c, c) = usable ? std::sqrt(pivot) : 0.0;
-    for (int r = c + 1; r < n; ++r) {
-      double sum = at(a, r, c);
-      for (int k = 0; k < c; ++k) sum -= at(a, r, k) * at(a, c, k);
-      at(a, r, c) = usable ? sum / at(a, c, c) : 0.0;
-    }
-  }
-  Vector y(n);
-  for (int column = 0; column < n; ++column) {
-    for (int r = 0; r < n; ++r) {
-      double sum = r == column ? 1.0 : 0.0;
-      for (int k = 0; k < r; ++k) sum -= at(a, r, k) * y[k];
-      y[r] = at(a, r, r) > 0 ? sum / at(a, r, r) : 0.0;
-    }
-    for (int r = n - 1; r >= 0; --r) {
-      double sum = y[r];
-      for (int k = r + 1; k < n; ++k) sum -= at(a, k, r) * y[k];
-      y[r] = at(a, r, r) > 0 ? sum / at(a, r, r) : 0.0;
-      at(inverse, r, column) = y[r] * scale[r] * scale[column];
-    }
-  }
-  return inverse;
+  coarsest_inverse_ = invert_spd(std::move(dense), n, 1e-13);
 }
 
 void Multigrid::smooth(Level& level, bool from_zero) {

@@ -62,8 +62,8 @@ struct Level {
 };
 
 struct CycleOptions {
-  int sweeps = 1;            // smoothing steps before and after
-  double lowest = 0.25;      // Chebyshev steps damp the part [lowest, 1] of the l1-scaled spectrum
+  int sweeps = 2;            // smoothing steps before and after
+  double lowest = 0.15;      // Chebyshev steps damp the part [lowest, 1] of the l1-scaled spectrum
   int direct_cells = 128;    // coarsest level: at most this many cells, solved directly
 };
 
@@ -100,8 +100,5 @@ struct Solution {
 Solution solve_pcg(Multigrid& multigrid, const Vector& b, double tolerance, int max_iterations);
 
 double dot(const Vector& a, const Vector& b);
-
-/// Inverse of a symmetric positive definite matrix (row-major, n x n) by Cholesky; rows with a zero diagonal stay zero.
-Vector invert_spd(Vector a, int n);
 
 }  // namespace alabaster::twin
