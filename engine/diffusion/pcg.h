@@ -38,6 +38,7 @@ class Pcg {
   gpu::Image& rhs() { return rhs_; }
   gpu::Image& solution() { return high_; }            // x, to single precision
   gpu::Image& solution_rest() { return low_; }        // x = solution + rest is what the residual is computed from
+  const gpu::Buffer& partials() const { return partials_; }
   int partials_per_channel() const { return multigrid_.tiles().count * DIFFUSION_PARTIALS; }
 
  private:

@@ -6,7 +6,10 @@
 
 layout(local_size_x = DIFFUSION_TILE_X, local_size_y = DIFFUSION_TILE_Y) in;
 layout(constant_id = 0) const int finest = 0;
-layout(push_constant, scalar) uniform PushBlock { LevelPush push; };
+#ifndef LEVEL_PUSH
+#define LEVEL_PUSH LevelPush
+#endif
+layout(push_constant, scalar) uniform PushBlock { LEVEL_PUSH push; };
 layout(binding = 0, scalar) readonly buffer Tiles { uint tiles[]; };
 
 const ivec3 step_x = ivec3(1, 0, 0), step_y = ivec3(0, 1, 0), step_z = ivec3(0, 0, 1);

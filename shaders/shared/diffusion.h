@@ -60,6 +60,38 @@ struct CgScalars {
   int done;            // 1: converged, 2: broken down (p . A p <= 0 or not finite)
 };
 
+// The medium at a cut cell, for the surface.
+struct FacetMedium {
+  vec3 kappa;              // m
+  vec3 reduced_intensity;  // exp(-sigma_a / sigma_s')
+};
+
+// Unit of a channel's fluence inside the solver.
+struct FluenceScale {
+  float unit;   // W/m^2: the power of two above the largest boundary value 4 Gamma_s / F_dt
+  float ratio;  // unit of the solve before over this one; 0 where there is nothing to keep
+};
+
+struct OperatorPush {
+  ivec3 cells;
+  int count;        // of cut cells, entry 0 included
+  vec3 resistance;  // A kappa_scale / h of each channel
+};
+
+struct SurfacePush {
+  ivec3 cells;
+  int count;     // of cut cells, entry 0 included
+  int channels;  // 1 or 3
+  float A;
+  float f_dt;
+  float h;       // m
+};
+
+// Per channel, in units: light in and out in W, absorbed still in units of the solver.
+struct EnergySums {
+  float in_, absorbed, out_;
+};
+
 ALABASTER_END_SHARED
 
 #endif
