@@ -231,7 +231,8 @@ class Cutter {
       std::size_t to = gift.direction > 0 ? at + stride_[gift.axis] : at - stride_[gift.axis];
       if (slot_[to] < 0) {
         slot_[to] = int(solids_.size());
-        solids_.push_back({.volume = out_.volume[to], .moment = glm::dvec3(0.5 * out_.volume[to]), .classes = {}, .reach = 0});
+        solids_.push_back(
+            {.volume = out_.volume[to], .moment = glm::dvec3(0.5 * out_.volume[to]), .classes = {}, .reach = 0});
       }
       Solid &giver = solids_[slot_[at]], &taker = solids_[slot_[to]];
       const Sums& given = sums_[slot_[at]][gift.facet_class];

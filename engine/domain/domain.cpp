@@ -24,7 +24,8 @@ struct Total {
 };
 
 struct Status {  // counters of the passes
-  std::uint32_t closure, slit_cells, crumpled_cells, inner_cells, overlapping_texels;
+  std::uint32_t closure, slit_cells, crumpled_cells, inner_cells, overlapping_texels, pairs, pairs_listed,
+      inverted_texels;
 };
 
 /// A triangle's bounding box, cut into runs of cells that one thread can walk.
@@ -56,8 +57,8 @@ glm::ivec3 tile_counts(const GridFrame& frame) {
 
 /// A set of numbered bits on the device, with ranks: see scan.comp.
 struct BitSet {
-  BitSet(gpu::Context& context, std::size_t bits)
-      : words(words_of(bits)),
+  BitSet(gpu::Context& context, std::size_t count)
+      : words(words_of(count)),
         bits(context, words * 4, "domain bits"),
         before(context, words * 4, "domain bits before"),
         total(context, 12, "domain bits in all") {}
@@ -106,6 +107,8 @@ class DomainBuild {
   }
   std::uint32_t total(const BitSet& set) const { return gpu::download<std::uint32_t>(context_, set.total)[0]; }
 
+  Status read_status() const { return gpu::download<Status>(context_, status_)[0]; }
+
   void find_candidates() {
     gpu::Commands commands(context_);
     {
@@ -113,15 +116,20 @@ class DomainBuild {
       for (const BitSet* set : {&candidates_, &cuts_, &tiles_}) commands.fill(set->bits);
       commands.fill(status_);
       commands.barrier();
-      commands.dispatch(
-          maker_.mark_, {item_count_, 1, 1},
-          {{"positions", positions_}, {"triangles", triangles_}, {"items", items_}, {"bits", candidates_.bits}},
-          push(item_count_));
+      commands.dispatch(maker_.mark_, {item_count_, 1, 1},
+                        {{"positions", positions_},
+                         {"triangles", triangles_},
+                         {"items", items_},
+                         {"bits", candidates_.bits},
+                         {"status", status_}},
+                        push(item_count_));
       scan(commands, candidates_);
     }
     commands.submit();
     candidate_count_ = total(candidates_);
-    if (candidate_count_ * sums_bytes > context_.limits().maxStorageBufferRange) {
+    pair_count_ = read_status().pairs;
+    if (candidate_count_ * sums_bytes > context_.limits().maxStorageBufferRange ||
+        pair_count_ / 64 >= context_.limits().maxComputeWorkGroupCount[0]) {
       throw UserError("grid: " + std::to_string(candidate_count_) +
                       " cells meet the surface, too many for this device; choose a smaller --grid");
     }
@@ -132,6 +140,7 @@ class DomainBuild {
     faces_ = scratch(context_, candidate_count_ * std::size_t(48), "domain faces");
     gifts_ = scratch(context_, candidate_count_ * std::size_t(4), "domain gifts");
     gpu::Buffer candidate_list = scratch(context_, candidate_count_ * std::size_t(4), "domain candidates");
+    gpu::Buffer pairs = scratch(context_, pair_count_ * sizeof(glm::uvec2), "domain pairs");
     glm::ivec3 texels(out_.frame.cells.x / 4, out_.frame.cells.y, out_.frame.cells.z);
     const char* names[] = {"domain aperture x", "domain aperture y", "domain aperture z"};
     for (int i = 0; i < 3; ++i) {
@@ -144,14 +153,35 @@ class DomainBuild {
       commands.fill(sums_);
       list(commands, candidates_, candidate_list);
       commands.barrier();
-      commands.dispatch(maker_.accumulate_, {item_count_, 1, 1},
+      commands.dispatch(maker_.pair_, {item_count_, 1, 1},
                         {{"positions", positions_},
                          {"triangles", triangles_},
                          {"items", items_},
+                         {"pairs", pairs},
+                         {"status", status_}},
+                        push(item_count_));
+      commands.dispatch(maker_.accumulate_, {pair_count_, 1, 1},
+                        {{"positions", positions_},
+                         {"triangles", triangles_},
+                         {"pairs", pairs},
                          {"bits", candidates_.bits},
                          {"before", candidates_.before},
                          {"sums", sums_}},
-                        push(item_count_));
+                        push(pair_count_));
+    }
+    {
+      auto timer = commands.time("domain/candidate");
+      commands.dispatch(maker_.candidate_, {candidate_count_, 1, 1},
+                        {{"bits", candidates_.bits},
+                         {"before", candidates_.before},
+                         {"sums", sums_},
+                         {"list", candidate_list},
+                         {"gifts", gifts_},
+                         {"cut_bits", cuts_.bits},
+                         {"status", status_},
+                         {"faces", faces_}},
+                        push(candidate_count_));
+      scan(commands, cuts_);
     }
     {
       auto timer = commands.time("domain/sweep");
@@ -159,21 +189,9 @@ class DomainBuild {
         for (int i = 0; i < 3; ++i) sweep(commands, i, texels);
       });
     }
-    {
-      auto timer = commands.time("domain/gifts");
-      commands.dispatch(maker_.gifts_, {candidate_count_, 1, 1},
-                        {{"bits", candidates_.bits},
-                         {"before", candidates_.before},
-                         {"sums", sums_},
-                         {"list", candidate_list},
-                         {"gifts", gifts_},
-                         {"cut_bits", cuts_.bits},
-                         {"status", status_}},
-                        push(candidate_count_));
-      scan(commands, cuts_);
-    }
     commands.submit();
     out_.summary.cut_cells = total(cuts_);
+    parted_ = read_status().slit_cells > 0;
   }
 
   void sweep(gpu::Commands& commands, int axis, glm::ivec3 texels) const {
@@ -182,7 +200,7 @@ class DomainBuild {
     commands.dispatch(*passes[axis], threads,
                       {{"bits", candidates_.bits},
                        {"before", candidates_.before},
-                       {"sums", sums_},
+
                        {"faces", faces_},
                        {"status", status_},
                        {"aperture", out_.aperture[axis]}},
@@ -205,7 +223,7 @@ class DomainBuild {
       auto timer = commands.time("domain/finish");
       commands.copy(plain, out_.cut_cells, sizeof(GpuCutCell));
       list(commands, cuts_, cut_list);
-      commands.dispatch(maker_.finish_, {count, 1, 1},
+      commands.dispatch(parted_ ? maker_.finish_parted_ : maker_.finish_, {count, 1, 1},
                         {{"bits", candidates_.bits},
                          {"before", candidates_.before},
                          {"sums", sums_},
@@ -229,7 +247,7 @@ class DomainBuild {
   }
 
   void fill_dense(gpu::Commands& commands, glm::ivec3 texels) const {
-    commands.dispatch(maker_.dense_, glm::uvec3(texels),
+    commands.dispatch(parted_ ? maker_.dense_parted_ : maker_.dense_, glm::uvec3(texels),
                       {{"bits", candidates_.bits},
                        {"before", candidates_.before},
                        {"sums", sums_},
@@ -250,24 +268,23 @@ class DomainBuild {
   static GpuCutCell plain_cell() {
     GpuCutCell cell{};
     cell.volume = 1;
-    cell.centroid = glm::vec3(0.5f);
+    cell.centre = glm::vec3(0.5f);
     for (int i = 0; i < 3; ++i) {
-      cell.low_face_centroid[i] = glm::vec3(0.5f);
-      cell.low_face_centroid[i][i] = 0;
+      cell.low_face_centre[i] = glm::vec3(0.5f);
+      cell.low_face_centre[i][i] = 0;
     }
     return cell;
   }
 
   void summarise() {
     DomainSummary& s = out_.summary;
-    Status status = gpu::download<Status>(context_, status_)[0];
+    Status status = read_status();
     double h = out_.frame.h;
     s.inner_cells = status.inner_cells;
     s.slit_cells = status.slit_cells;
     s.worst_closure = status.closure / fixed_one;
     s.volume = status.inner_cells;
     for (const Total& t : gpu::download<Total>(context_, totals_)) {
-      if (s.cut_cells == 0) break;
       s.volume += t.volume;
       s.area += t.area;
       s.area_vector += glm::dvec3(t.area_vector);
@@ -286,7 +303,9 @@ class DomainBuild {
           " cells hold too much surface (100 times a cell's face); choose a larger --grid or a simpler mesh");
     }
     if (s.worst_closure > 1e-3) throw UserError("mesh: it is not closed; close its holes");
-    if (s.volume <= 0) throw UserError("mesh: it encloses no volume, or is inside out; turn its triangles around");
+    if (status.inverted_texels > 0)
+      throw UserError("mesh: it, or a piece of it, is inside out; turn its triangles around");
+    if (s.cut_cells == 0) throw UserError("mesh: it has no surface; all its triangles are degenerate");
     if (status.overlapping_texels > 0) {
       out_.warnings.push_back("the mesh overlaps itself in places; volumes there are clamped");
     }
@@ -300,7 +319,8 @@ class DomainBuild {
   gpu::Context& context_;
   Domain out_;
   std::size_t cell_count_;
-  std::uint32_t item_count_ = 0, candidate_count_ = 0;
+  std::uint32_t item_count_ = 0, pair_count_ = 0, candidate_count_ = 0;
+  bool parted_ = false;
   BitSet candidates_, cuts_, tiles_;
   gpu::Buffer status_, positions_, triangles_, items_, sums_, faces_, gifts_, totals_;
 };
@@ -310,14 +330,17 @@ DomainMaker::DomainMaker(gpu::Context& context)
       mark_(context, "domain/mark.comp"),
       scan_(context, "domain/scan.comp"),
       list_(context, "domain/list.comp"),
+      pair_(context, "domain/pair.comp"),
       accumulate_(context, "domain/accumulate.comp"),
+      candidate_(context, "domain/candidate.comp"),
       sweep_x_(context, "domain/sweep.comp", {0}),
       sweep_y_(context, "domain/sweep.comp", {1}),
       sweep_z_(context, "domain/sweep.comp", {2}),
-      gifts_(context, "domain/gifts.comp"),
-      finish_(context, "domain/finish.comp"),
-      dense_(context, "domain/dense.comp"),
-      totals_(context, "domain/totals.comp") {}
+      finish_(context, "domain/finish.comp", {0}),
+      dense_(context, "domain/dense.comp", {0}),
+      totals_(context, "domain/totals.comp"),
+      finish_parted_(context, "domain/finish.comp", {1}),
+      dense_parted_(context, "domain/dense.comp", {1}) {}
 
 Domain DomainMaker::make(const Mesh& mesh, const GridFrame& frame) const {
   if (mesh.triangles.empty()) throw UserError("mesh: it has no triangles");

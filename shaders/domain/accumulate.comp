@@ -1,40 +1,53 @@
-// Clips the triangles to the cells and adds up the integrals over the pieces. One thread an item.
+// Clips a triangle to a cell and adds up the integrals over the piece. One thread a pair. The polygon stays in registers:
+// no index depends on data, because indexed private arrays are slow on every device and slowest on lavapipe.
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_control_flow_attributes : require
 #include "sums.glsl"
-#include "triangles.glsl"
 layout(local_size_x = 64) in;
 layout(push_constant, scalar) uniform Push { DomainPush push; };
+layout(binding = 0, scalar) readonly buffer Positions { vec3 positions[]; };  // grid units, see grid_positions()
+layout(binding = 1, scalar) readonly buffer Triangles { uvec3 triangles[]; };
+layout(binding = 2, scalar) readonly buffer Pairs { uvec2 pairs[]; };  // triangle, cell
 layout(binding = 3, scalar) readonly buffer Bits { uint bits[]; };
 layout(binding = 4, scalar) readonly buffer Before { uint before[]; };
 layout(binding = 5, scalar) buffer Sums { int sums[]; };
 
-vec3 polygon[10];
+const int most = 9;  // corners of a triangle clipped by six planes
+vec3 polygon[most];
 int corners;
 
-// Keeps the part with sign * (x_axis - plane) <= 0. A cut point is always reckoned from the end that stays, so that the
-// two triangles of an edge find the same one.
-void clip(int axis, float plane, float sign) {
-  vec3 kept[10];
-  int n = 0;
-  vec3 a = polygon[corners - 1];
-  float da = sign * (a[axis] - plane);
-  for (int c = 0; c < corners; ++c) {
-    vec3 b = polygon[c];
-    float db = sign * (b[axis] - plane);
-    if ((da < 0.0 && db > 0.0) || (da > 0.0 && db < 0.0)) {
-      vec3 inner = da < 0.0 ? a : b, outer = da < 0.0 ? b : a;
-      float di = min(da, db), dout = max(da, db);
-      vec3 p = inner + (outer - inner) * (di / (di - dout));
-      p[axis] = plane;
-      kept[n++] = p;
-    }
-    if (db <= 0.0) kept[n++] = b;
-    a = b;
-    da = db;
+// Keeps the part below (sign 1) or above (-1) the plane where the coordinate picked by `axis` has a value. A cut point is always reckoned from the end that stays, so that the two
+// triangles of an edge find the same one.
+void clip(vec3 axis, float plane, float sign) {
+  vec3 kept[most];
+  vec3 a = polygon[0];
+  [[unroll]] for (int i = 0; i < most; ++i) {
+    kept[i] = vec3(0);
+    if (i == corners - 1) a = polygon[i];
   }
-  for (int c = 0; c < n; ++c) polygon[c] = kept[c];
+  float da = sign * (dot(axis, a) - plane);
+  int n = 0;
+  [[unroll]] for (int i = 0; i < most; ++i) {
+    vec3 b = polygon[i];
+    float db = sign * (dot(axis, b) - plane);
+    bool used = i < corners;
+    bool cut = used && min(da, db) < 0.0 && max(da, db) > 0.0;
+    bool keep = used && db <= 0.0;
+    vec3 inner = da < 0.0 ? a : b, outer = da < 0.0 ? b : a;
+    float di = min(da, db), d_outer = max(da, db);
+    vec3 p = mix(inner + (outer - inner) * (di / (di - d_outer)), vec3(plane), greaterThan(axis, vec3(0)));
+    int at_b = n + (cut ? 1 : 0);
+    [[unroll]] for (int k = 0; k <= min(i + 2, most - 1); ++k) {
+      if (cut && k == n) kept[k] = p;
+      if (keep && k == at_b) kept[k] = b;
+    }
+    n = at_b + (keep ? 1 : 0);
+    a = used ? b : a;
+    da = used ? db : da;
+  }
+  [[unroll]] for (int i = 0; i < most; ++i) polygon[i] = kept[i];
   corners = n;
 }
 
@@ -51,23 +64,22 @@ void add_polygon(uint at, vec3 normal) {
   vec3 A = vec3(0), X = vec3(0), Q = vec3(0);
   mat3 M = mat3(0);
   float S = 0.0;
-  vec3 a = polygon[0], b = polygon[1];
-  for (int t = 2; t < corners; ++t) {
-    vec3 c = polygon[t];
-    vec3 dA = 0.5 * cross(b - a, c - a), centre = (a + b + c) / 3.0;
+  vec3 a = polygon[0];
+  [[unroll]] for (int t = 2; t < most; ++t) {
+    vec3 b = polygon[t - 1], c = polygon[t];
+    vec3 dA = t < corners ? 0.5 * cross(b - a, c - a) : vec3(0), centre = (a + b + c) / 3.0;
     float dS = dot(dA, normal);
     A += dA;
     S += dS;
     X += dS * centre;
-    for (int i = 0; i < 3; ++i) M[i] += dA[i] * centre;
+    [[unroll]] for (int i = 0; i < 3; ++i) M[i] += dA[i] * centre;
     Q += dA * (a * a + b * b + c * c + a * b + b * c + c * a) / 12.0;
-    b = c;
   }
-  for (int i = 0; i < 3; ++i) {
+  [[unroll]] for (int i = 0; i < 3; ++i) {
     add(at + sum_A + i, A[i]);
     add(at + sum_X + i, X[i]);
     add(at + sum_Q + i, Q[i]);
-    for (int j = 0; j < 3; ++j) add(at + sum_M + 3 * i + j, M[i][j]);
+    [[unroll]] for (int j = 0; j < 3; ++j) add(at + sum_M + 3 * i + j, M[i][j]);
   }
   add(at + sum_S, S);
 }
@@ -75,25 +87,28 @@ void add_polygon(uint at, vec3 normal) {
 void main() {
   uint thread = gl_GlobalInvocationID.x;
   if (thread >= push.count) return;
-  Item item = items[thread];
-  Triangle t = load_triangle(item.triangle);
-  int kind = facet_class(t.normal);
-  uint end = min(item.first + cells_an_item, uint(t.size.x * t.size.y * t.size.z));
-  for (uint n = item.first; n < end; ++n) {
-    ivec3 cell = box_cell(t, n);
-    if (!plane_meets(t, cell)) continue;
-    polygon[0] = t.a - vec3(cell);
-    polygon[1] = t.b - vec3(cell);
-    polygon[2] = t.c - vec3(cell);
-    corners = 3;
-    vec3 low = min(min(polygon[0], polygon[1]), polygon[2]), high = max(max(polygon[0], polygon[1]), polygon[2]);
-    for (int axis = 0; axis < 3; ++axis) {
-      if (corners > 0 && low[axis] < 0.0) clip(axis, 0.0, -1.0);
-      if (corners > 0 && high[axis] > 1.0) clip(axis, 1.0, 1.0);
-    }
-    if (corners < 3) continue;
-    uint c = cell_index(cell, push.cells);
-    uint rank = rank_of(bits[c >> 5], before[c >> 5], c & 31u);
-    add_polygon((6u * rank + uint(kind)) * sum_count, t.normal);
+  uvec2 pair = pairs[thread];
+  uvec3 t = triangles[pair.x];
+  vec3 low = vec3(cell_at(pair.y, push.cells));
+  polygon[0] = positions[t.x] - low;
+  polygon[1] = positions[t.y] - low;
+  polygon[2] = positions[t.z] - low;
+  [[unroll]] for (int i = 3; i < most; ++i) polygon[i] = vec3(0);
+  corners = 3;
+  vec3 normal = normalize(cross(polygon[1] - polygon[0], polygon[2] - polygon[0]));
+  // Only the planes that the triangle crosses: the loop runs as often as the busiest lane needs.
+  vec3 least = min(min(polygon[0], polygon[1]), polygon[2]), largest = max(max(polygon[0], polygon[1]), polygon[2]);
+  uint planes = 0u;
+  [[unroll]] for (int i = 0; i < 3; ++i) {
+    planes |= (least[i] < 0.0 ? 1u << (2 * i) : 0u) | (largest[i] > 1.0 ? 2u << (2 * i) : 0u);
   }
+  for (; planes != 0u; planes &= planes - 1u) {
+    int p = findLSB(planes);
+    float high = float(p & 1);
+    clip(vec3(equal(ivec3(0, 1, 2), ivec3(p / 2))), high, 2.0 * high - 1.0);
+  }
+  if (corners < 3) return;
+  uint c = pair.y;
+  uint rank = rank_of(bits[c >> 5], before[c >> 5], c & 31u);
+  add_polygon((6u * rank + uint(facet_class(normal))) * sum_count, normal);
 }

@@ -6,6 +6,7 @@
 #include "sums.glsl"
 #include "cells.glsl"
 layout(local_size_x = 8, local_size_y = 8) in;
+layout(constant_id = 0) const int parted = 1;  // 0 where no cell gives anything
 layout(push_constant, scalar) uniform Push { DomainPush push; };
 layout(binding = 3, scalar) readonly buffer CutBits { uint cut_bits[]; };
 layout(binding = 4, scalar) readonly buffer CutBefore { uint cut_before[]; };
@@ -19,7 +20,7 @@ layout(binding = 11, rgba32f) uniform image3D aperture_z;
 layout(binding = 12, rgba32f) uniform writeonly image3D volume;
 layout(binding = 13, r32ui) uniform writeonly uimage3D cut_index;
 
-shared uint inner, overlaps;
+shared uint inner, overlaps, inverted;
 
 // What the cell's low face across `axis` loses to gifts.
 float closed_by_gifts(ivec3 cell, int axis) {
@@ -34,10 +35,11 @@ float closed_by_gifts(ivec3 cell, int axis) {
 }
 
 vec4 finished(vec4 open, ivec3 cell, int axis, uint four) {
-  if (status[1] > 0u && four != 0u) {
+  if (any(greaterThan(open, vec4(1.001)))) atomicAdd(overlaps, 1u);
+  if (any(lessThan(open, vec4(-0.001)))) atomicAdd(inverted, 1u);
+  if (parted == 1 && four != 0u) {
     for (int k = 0; k < 4; ++k) open[k] -= closed_by_gifts(cell + ivec3(k, 0, 0), axis);
   }
-  if (any(greaterThan(open, vec4(1.001)))) atomicAdd(overlaps, 1u);
   return mix(mix(open, vec4(1), greaterThan(open, vec4(1.0 - face_snap))), vec4(0), lessThan(open, vec4(face_snap)));
 }
 
@@ -73,6 +75,7 @@ void main() {
   if (gl_LocalInvocationIndex == 0u) {
     inner = 0u;
     overlaps = 0u;
+    inverted = 0u;
   }
   barrier();
   ivec3 texel = ivec3(gl_GlobalInvocationID);
@@ -81,5 +84,6 @@ void main() {
   if (gl_LocalInvocationIndex == 0u) {
     atomicAdd(status[3], inner);
     atomicAdd(status[4], overlaps);
+    atomicAdd(status[7], inverted);
   }
 }

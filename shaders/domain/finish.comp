@@ -5,6 +5,7 @@
 #include "sums.glsl"
 #include "cells.glsl"
 layout(local_size_x = 64) in;
+layout(constant_id = 0) const int parted = 1;  // 0 where no cell gives anything
 layout(push_constant, scalar) uniform Push { DomainPush push; };
 layout(binding = 3, scalar) readonly buffer CutList { uint cut_list[]; };
 layout(binding = 4, scalar) readonly buffer Gifts { uint gifts[]; };
@@ -84,17 +85,17 @@ void exchange_gifts(uint rank, ivec3 cell) {
   }
 }
 
-GpuFacet make_facet(Part p, vec3 centroid) {
+GpuFacet make_facet(Part p, vec3 centre) {
   GpuFacet f;
   f.area = 0.0;
   f.area_vector = vec3(0);
-  f.centroid = vec3(0);
+  f.centre = vec3(0);
   f.distance = 0.0;
   if (p.S < least_facet) return f;
   f.area = p.S;
   f.area_vector = p.A;
-  f.centroid = p.X / p.S;
-  f.distance = max(0.0, (p.T - dot(p.A, centroid)) / p.S);
+  f.centre = p.X / p.S;
+  f.distance = max(0.0, (p.T - dot(p.A, centre)) / p.S);
   return f;
 }
 
@@ -105,19 +106,19 @@ void main() {
   uint rank = candidate(cell, push.cells);
   for (int s = 0; s < 2; ++s) side[s] = Part(vec3(0), 0.0, vec3(0), 0.0);
   load_cell(rank, cell);
-  exchange_gifts(rank, cell);
+  if (parted == 1) exchange_gifts(rank, cell);
   Part all = Part(side[0].A + side[1].A, side[0].S + side[1].S, side[0].X + side[1].X, side[0].T + side[1].T);
   GpuCutCell cut;
   cut.cell = cell;
   cut.volume = max(volume, least_volume);
-  cut.centroid = volume > least_volume ? moment / volume : all.X / max(all.S, least_facet);
-  cut.centroid = clamp(cut.centroid, -reach, 1.0 + reach);
-  cut.facet = make_facet(all, cut.centroid);
-  for (int s = 0; s < 2; ++s) cut.side[s] = make_facet(side[s], cut.centroid);
+  cut.centre = volume > least_volume ? moment / volume : all.X / max(all.S, least_facet);
+  cut.centre = clamp(cut.centre, -reach, 1.0 + reach);
+  cut.facet = make_facet(all, cut.centre);
+  for (int s = 0; s < 2; ++s) cut.side[s] = make_facet(side[s], cut.centre);
   for (int i = 0; i < 3; ++i) {
     vec3 c = face[i].x < face_snap ? vec3(0.5) : clamp(face[i].yzw / face[i].x, 0.0, 1.0);
     c[i] = 0.0;
-    cut.low_face_centroid[i] = c;
+    cut.low_face_centre[i] = c;
   }
   cut_cells[thread + 1u] = cut;
 }

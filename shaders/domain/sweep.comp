@@ -9,20 +9,10 @@ layout(constant_id = 0) const int axis = 0;
 layout(push_constant, scalar) uniform Push { DomainPush push; };
 layout(binding = 0, scalar) readonly buffer Bits { uint bits[]; };
 layout(binding = 1, scalar) readonly buffer Before { uint before[]; };
-layout(binding = 2, scalar) readonly buffer Sums { int sums[]; };
-layout(binding = 3, scalar) writeonly buffer Faces { ivec4 faces[]; };  // low faces: aperture, first moments
-layout(binding = 4, scalar) buffer Status { uint status[]; };
-layout(binding = 5, rgba32f) uniform writeonly image3D aperture;
-
-ivec4 surface(uint rank) {  // integral n_axis (1, x) dA
-  ivec4 sum = ivec4(0);
-  for (uint c = 0u; c < 6u; ++c) {
-    uint at = (6u * rank + c) * sum_count;
-    uint m = at + sum_M + 3 * axis;
-    sum += ivec4(sums[at + sum_A + axis], sums[m], sums[m + 1u], sums[m + 2u]);
-  }
-  return sum;
-}
+// By candidate and axis; in: integral n_axis (1, x) dA, out: aperture and first moments of the low face.
+layout(binding = 2, scalar) buffer Faces { ivec4 faces[]; };
+layout(binding = 3, scalar) buffer Status { uint status[]; };
+layout(binding = 4, rgba32f) uniform writeonly image3D aperture;
 
 void main() {
   ivec3 texels = ivec3(push.cells.x / 4, push.cells.yz);
@@ -42,8 +32,9 @@ void main() {
       open[k] = float(running[lane].x) / fixed_one;
       if ((four >> k & 1u) == 0u) continue;
       uint rank = rank_of(word, before[c >> 5], (c & 31u) + uint(k));
+      ivec4 surface = faces[3u * rank + uint(axis)];
       faces[3u * rank + uint(axis)] = running[lane];
-      running[lane] -= surface(rank);
+      running[lane] -= surface;
     }
     imageStore(aperture, texel, open);
   }

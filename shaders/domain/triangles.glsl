@@ -1,4 +1,5 @@
-// Work items: a triangle and up to 64 cells of its bounding box.
+// Work items: a triangle and up to 64 cells of its bounding box. They are listed by the host, so that huge and tiny
+// triangles are shared out evenly.
 struct Item {
   uint triangle;
   uint first;  // cell of the box, x fastest

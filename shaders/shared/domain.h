@@ -9,7 +9,7 @@ ALABASTER_BEGIN_SHARED
 struct GpuFacet {
   float area;        // h^2
   vec3 area_vector;  // h^2, outward; its length is below `area` where the surface bends
-  vec3 centroid;     // h
+  vec3 centre;       // h
   float distance;    // h, >= 0: mean depth of the cell's centroid below the surface
 };
 
@@ -18,10 +18,10 @@ struct GpuFacet {
 struct GpuCutCell {
   ivec3 cell;
   float volume;                // h^3, > 0; above 1 where a neighbour gave the piece beyond a slit
-  vec3 centroid;               // h, of the solid part
+  vec3 centre;                 // h, of the solid part
   GpuFacet facet;              // all of the surface in the cell
   GpuFacet side[2];            // the same, parted: normals mainly up an axis, mainly down one
-  vec3 low_face_centroid[3];   // h, of the wetted part of the faces towards lower x, y, z
+  vec3 low_face_centre[3];   // h, of the wetted part of the faces towards lower x, y, z
 };
 
 // Active tiles: boxes of cells, numbered x fastest, then y, then z.

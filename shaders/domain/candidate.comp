@@ -1,4 +1,5 @@
-// Which candidates hold surface, and which are parted by a slit. One thread a candidate.
+// What each candidate does to the apertures across its cell, whether it holds surface, and whether a slit parts it.
+// One thread a candidate.
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
@@ -10,6 +11,7 @@ layout(binding = 3, scalar) readonly buffer List { uint list[]; };
 layout(binding = 4, scalar) writeonly buffer Gifts { uint gifts[]; };
 layout(binding = 5, scalar) buffer CutBits { uint cut_bits[]; };
 layout(binding = 6, scalar) buffer Status { uint status[]; };
+layout(binding = 7, scalar) writeonly buffer Faces { ivec4 faces[]; };  // by axis: integral n_axis (1, x) dA
 
 void mark(uint c) { atomicOr(cut_bits[c >> 5], 1u << (c & 31u)); }
 
@@ -29,9 +31,22 @@ uint find_gift(uint rank) {
   return gift;
 }
 
+void write_faces(uint rank) {
+  for (int axis = 0; axis < 3; ++axis) {
+    ivec4 sum = ivec4(0);
+    for (uint kind = 0u; kind < 6u; ++kind) {
+      uint at = (6u * rank + kind) * sum_count;
+      uint m = at + sum_M + 3 * axis;
+      sum += ivec4(sums[at + sum_A + axis], sums[m], sums[m + 1u], sums[m + 2u]);
+    }
+    faces[3u * rank + uint(axis)] = sum;
+  }
+}
+
 void main() {
   uint rank = gl_GlobalInvocationID.x;
   if (rank >= push.count) return;
+  write_faces(rank);
   float S = 0.0;
   bool overflow = false;
   for (int kind = 0; kind < 6; ++kind) {
