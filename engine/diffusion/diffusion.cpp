@@ -1,0 +1,154 @@
+#include "diffusion/diffusion.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "shared/optics.h"
+
+namespace alabaster {
+namespace {
+
+struct EnergyPush {
+  SurfacePush surface;
+  int partials_per_channel;
+};
+
+TileList tile_list(gpu::Context& context, const Domain& domain) {
+  const glm::ivec3 counts = tile_counts(domain.frame);
+  std::vector<std::uint32_t> tiles = gpu::download<std::uint32_t>(context, domain.tiles);
+  tiles.resize(domain.summary.active_tiles);
+  for (std::uint32_t& tile : tiles) {
+    const int t = static_cast<int>(tile), x = t % counts.x, y = t / counts.x % counts.y, z = t / (counts.x * counts.y);
+    tile = x | y << 10 | z << 20;
+  }
+  return {gpu::make_buffer(context, tiles, "diffusion tiles"), static_cast<int>(tiles.size())};
+}
+
+static_assert(4 * DIFFUSION_TILE_X == tile_size_x && DIFFUSION_TILE_Y == tile_size_y);
+
+}  // namespace
+
+FluencePasses::FluencePasses(gpu::Context& c)
+    : assemble{c, "diffusion/operator.comp", {1}},
+      scale{c, "diffusion/scale.comp"},
+      source{c, "diffusion/source.comp", {1}},
+      absorbed{c, "diffusion/absorbed.comp", {1}},
+      energy{c, "diffusion/energy.comp"},
+      gradient{c, "diffusion/gradient.comp"},
+      surface{c, "diffusion/surface.comp"} {}
+
+double EnergyBalance::imbalance() const {
+  double worst = 0;
+  for (int c = 0; c < 3; ++c)
+    if (in[c] > 0) worst = std::max(worst, std::abs(in[c] - absorbed[c] - out[c]) / in[c]);
+  return worst;
+}
+
+Diffusion::Diffusion(gpu::Context& context, const DiffusionPasses& solver_passes, const FluencePasses& passes,
+                     const Domain& domain, const MediumSamples& medium, double eta, const SolverOptions& options)
+    : context_(context),
+      passes_(passes),
+      domain_(domain),
+      A_(boundary_constant(internal_diffuse_reflectance(eta))),
+      f_dt_(1 - internal_diffuse_reflectance(eta)),
+      cut_count_(static_cast<int>(domain.summary.cut_cells) + 1),
+      tiles_(tile_list(context, domain)),
+      absorption_(packed_image(context, domain.frame.cells, medium.channels, 1, "absorption")),
+      surface_(gpu::image3d(context, domain.frame.cells, VK_FORMAT_R32G32B32A32_SFLOAT, "surface fluence")),
+      facets_(context, cut_count_ * sizeof(FacetMedium), "facet medium"),
+      conductances_(context, std::size_t(medium.channels) * cut_count_ * sizeof(float), "facet conductances"),
+      scales_(context, medium.channels * sizeof(FluenceScale), "fluence scales"),
+      gradients_(context, std::size_t(medium.channels) * cut_count_ * sizeof(glm::vec4), "surface gradients"),
+      energy_sums_(context, medium.channels * sizeof(EnergySums), "energy sums", gpu::Memory::host),
+      multigrid_(context, solver_passes, domain.frame.cells, medium.channels, tiles_, options.multigrid),
+      pcg_(context, solver_passes, multigrid_, options) {
+  gpu::Commands commands(context);
+  commands.fill(scales_);
+  commands.submit();
+  set_medium(medium);
+}
+
+void Diffusion::set_medium(const MediumSamples& medium) {
+  kappa_scale_ = medium.kappa_scale;
+  gpu::Image kappa = packed_image(context_, domain_.frame.cells, medium.channels, 1, "kappa");
+  gpu::upload(context_, kappa, medium.kappa);
+  gpu::upload(context_, absorption_, medium.absorption);
+  gpu::upload(context_, facets_, medium.facets);
+  const glm::vec3 resistance(A_ * kappa_scale_ / double(domain_.frame.h));
+  gpu::Commands commands(context_);
+  {
+    const auto scope = commands.time("diffusion operator");
+    commands.dispatch(passes_.assemble, multigrid_.threads(0),
+                      {{"tiles", tiles_.packed}, {"cut_index", domain_.cut_index}, {"cut_cells", domain_.cut_cells},
+                       {"volume", domain_.volume}, {"aperture_x", domain_.aperture[0]}, {"aperture_y", domain_.aperture[1]},
+                       {"aperture_z", domain_.aperture[2]}, {"kappa", kappa}, {"absorption", absorption_},
+                       {"stencil", multigrid_.finest().stencil}, {"conductances", conductances_}},
+                      OperatorPush{domain_.frame.cells, cut_count_, resistance});
+  }
+  commands.submit();
+  multigrid_.set_up();
+}
+
+SurfacePush Diffusion::surface_push() const {
+  return {domain_.frame.cells, cut_count_, multigrid_.channels(), static_cast<float>(A_), static_cast<float>(f_dt_), domain_.frame.h};
+}
+
+SolverStatus Diffusion::solve(const gpu::Buffer& gamma_s) {
+  const SurfacePush push = surface_push();
+  const unsigned channels = multigrid_.channels();
+  {
+    gpu::Commands commands(context_);
+    {
+      const auto scope = commands.time("diffusion source");
+      commands.dispatch(passes_.scale, {256 * channels, 1, 1}, {{"gamma_s", gamma_s}, {"scales", scales_}}, push);
+      commands.dispatch(passes_.source, multigrid_.threads(0),
+                        {{"tiles", tiles_.packed}, {"cut_index", domain_.cut_index}, {"cut_cells", domain_.cut_cells},
+                         {"conductances", conductances_}, {"gamma_s", gamma_s}, {"scales", scales_}, {"rhs", pcg_.rhs()},
+                         {"high", pcg_.solution()}, {"low", pcg_.solution_rest()}},
+                        push);
+    }
+    commands.submit();
+  }
+  SolverStatus status = pcg_.solve();
+  gpu::Commands commands(context_);
+  {
+    const auto scope = commands.time("diffusion surface");
+    commands.dispatch(passes_.gradient, {cut_count_, channels, 1},
+                      {{"cut_index", domain_.cut_index}, {"cut_cells", domain_.cut_cells}, {"gamma_s", gamma_s}, {"facets", facets_},
+                       {"scales", scales_}, {"volume", domain_.volume}, {"phi", pcg_.solution()}, {"gradients", gradients_}},
+                      push);
+    const glm::ivec3 n = domain_.frame.cells;
+    commands.dispatch(passes_.surface, {n.x / 4, n.y, n.z},
+                      {{"cut_index", domain_.cut_index}, {"cut_cells", domain_.cut_cells}, {"scales", scales_}, {"gradients", gradients_},
+                       {"volume", domain_.volume}, {"phi", pcg_.solution()}, {"surface", surface_}},
+                      push);
+  }
+  commands.submit();
+  return status;
+}
+
+EnergyBalance Diffusion::energy(const gpu::Buffer& gamma_s) {
+  gpu::Commands commands(context_);
+  const LevelPush level{domain_.frame.cells, domain_.frame.cells, 0};
+  commands.dispatch(passes_.absorbed, multigrid_.threads(0),
+                    {{"tiles", tiles_.packed}, {"partials", pcg_.partials()}, {"volume", domain_.volume}, {"absorption", absorption_},
+                     {"phi", pcg_.solution()}},
+                    level);
+  commands.dispatch(passes_.energy, {256 * multigrid_.channels(), 1, 1},
+                    {{"cut_cells", domain_.cut_cells}, {"gamma_s", gamma_s}, {"facets", facets_}, {"scales", scales_},
+                     {"partials", pcg_.partials()}, {"phi", pcg_.solution()}, {"sums", energy_sums_}},
+                    EnergyPush{surface_push(), pcg_.partials_per_channel()});
+  commands.submit();
+  const std::vector<FluenceScale> scales = gpu::download<FluenceScale>(context_, scales_);
+  const EnergySums* sums = static_cast<const EnergySums*>(energy_sums_.mapped());
+  EnergyBalance balance;
+  for (int c = 0; c < 3; ++c) {
+    const int channel = std::min(c, multigrid_.channels() - 1);
+    balance.in[c] = sums[channel].in_;
+    balance.out[c] = sums[channel].out_;
+    balance.absorbed[c] = double(sums[channel].absorbed) * scales[channel].unit * kappa_scale_[channel] * domain_.frame.h;
+  }
+  return balance;
+}
+
+}  // namespace alabaster

@@ -1,0 +1,69 @@
+// The fluence inside a translucent object (the report's diffusion equation with its source boundary condition, Eq. 11),
+//   -div(kappa grad phi) + sigma_a phi = 0,  phi + 2 A kappa d_n phi = 4 Gamma_s / F_dt on the surface,
+// by finite volumes on cut cells. Set-up and solve are apart: when only the light changes, solve() again.
+#pragma once
+
+#include "diffusion/medium_samples.h"
+#include "diffusion/pcg.h"
+
+namespace alabaster {
+
+/// The passes around the linear solver, made once a context.
+struct FluencePasses {
+  explicit FluencePasses(gpu::Context& context);
+  gpu::Pass assemble, scale, source, absorbed, energy, gradient, surface;
+};
+
+/// Where a channel's light went, W: in = integral Gamma_s; absorbed = integral sigma_a phi; out = what the render query
+/// sends out of the surface, all directions. At convergence in = absorbed + out.
+struct EnergyBalance {
+  glm::dvec3 in{0}, absorbed{0}, out{0};
+  double imbalance() const;  // largest |in - absorbed - out| / in over the channels with light
+};
+
+class Diffusion {
+ public:
+  /// `domain` and the passes outlive this. One or three channels, as `medium` has.
+  Diffusion(gpu::Context& context, const DiffusionPasses& solver_passes, const FluencePasses& passes, const Domain& domain,
+            const MediumSamples& medium, double eta, const SolverOptions& options = {});
+
+  /// A new medium on the same grid; the solution stays as the start of the next solve.
+  void set_medium(const MediumSamples& medium);
+
+  /// Solves for Gamma_s: `gamma_s` holds a vec3 (W/m^2, one channel takes red) for every cut cell of the domain, entry 0
+  /// included, averaged over its facet, with the factor exp(-sigma_a/sigma_s') of facet_medium(). Starts from the solution
+  /// of before where there is one. Then makes surface().
+  SolverStatus solve(const gpu::Buffer& gamma_s);
+
+  /// Of the last solve.
+  EnergyBalance energy(const gpu::Buffer& gamma_s);
+
+  /// Fluence for the surface query, W/m^2, rgba32f, one texel a cell with its value at the cell's centre: sampled
+  /// trilinearly at a point of the surface it gives phi there. One channel fills r, g and b.
+  const gpu::Image& surface() const { return surface_; }
+  /// FacetMedium for every cut cell.
+  const gpu::Buffer& facet_medium() const { return facets_; }
+  Multigrid& multigrid() { return multigrid_; }
+  Pcg& pcg() { return pcg_; }
+  double A() const { return A_; }
+  /// FluenceScale of each channel: fluence = unit * (pcg().solution() + pcg().solution_rest()).
+  const gpu::Buffer& scales() const { return scales_; }
+  const gpu::Buffer& facet_conductances() const { return conductances_; }
+
+ private:
+  SurfacePush surface_push() const;
+
+  gpu::Context& context_;
+  const FluencePasses& passes_;
+  const Domain& domain_;
+  double A_, f_dt_;
+  int cut_count_;  // entry 0 included
+  TileList tiles_;
+  gpu::Image absorption_, surface_;
+  gpu::Buffer facets_, conductances_, scales_, gradients_, energy_sums_;
+  glm::dvec3 kappa_scale_{1};
+  Multigrid multigrid_;
+  Pcg pcg_;
+};
+
+}  // namespace alabaster

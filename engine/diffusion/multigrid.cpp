@@ -1,0 +1,168 @@
+#include "diffusion/multigrid.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "diffusion/dense.h"
+
+namespace alabaster {
+
+DiffusionPasses::DiffusionPasses(gpu::Context& c)
+    : diagonals{{c, "diffusion/diagonals.comp", {0}}, {c, "diffusion/diagonals.comp", {1}}},
+      weights{{c, "diffusion/weights.comp", {0}}, {c, "diffusion/weights.comp", {1}}},
+      galerkin{{c, "diffusion/galerkin.comp", {0}}, {c, "diffusion/galerkin.comp", {1}}},
+      smooth{{c, "diffusion/smooth.comp", {0, 0}}, {c, "diffusion/smooth.comp", {1, 0}}},
+      smooth_dot{c, "diffusion/smooth.comp", {1, 1}},
+      residual{{c, "diffusion/residual.comp", {0}}, {c, "diffusion/residual.comp", {1}}},
+      restrict_residual{c, "diffusion/restrict.comp"},
+      prolong{{c, "diffusion/prolong.comp", {0}}, {c, "diffusion/prolong.comp", {1}}},
+      direct{c, "diffusion/direct.comp"},
+      apply_dot{c, "diffusion/apply_dot.comp", {1}},
+      norm{c, "diffusion/norm.comp", {1}},
+      update{c, "diffusion/update.comp", {1}},
+      start{c, "diffusion/start.comp", {1}},
+      direction{c, "diffusion/direction.comp", {1}},
+      reduce{c, "diffusion/reduce.comp"} {}
+
+std::vector<float> chebyshev_omegas(const MultigridOptions& options) {
+  std::vector<float> omegas;
+  for (int k = 0; k < options.sweeps; ++k) {
+    const double root = std::cos(std::numbers::pi * (k + 0.5) / options.sweeps);
+    omegas.push_back(static_cast<float>(2 / ((1 + options.lowest) + (1 - options.lowest) * root)));
+  }
+  return omegas;
+}
+
+gpu::Image packed_image(gpu::Context& context, glm::ivec3 cells, int channels, int entries, const std::string& name) {
+  gpu::Image image = gpu::image3d(context, {(cells.x + 3) / 4 * entries, cells.y, cells.z * channels},
+                                  VK_FORMAT_R32G32B32A32_SFLOAT, "diffusion " + name);
+  gpu::Commands commands(context);
+  commands.clear(image);
+  commands.submit();
+  return image;
+}
+
+Multigrid::Multigrid(gpu::Context& context, const DiffusionPasses& passes, glm::ivec3 cells, int channels,
+                     const TileList& tiles, const MultigridOptions& options)
+    : context_(context), passes_(passes), channels_(channels), tiles_(tiles), omegas_(chebyshev_omegas(options)) {
+  for (bool last = false; !last; cells = (cells + 1) / 2) {
+    last = cells.x * cells.y * cells.z <= options.direct_cells;
+    MultigridLevel level;
+    level.cells = cells;
+    const int entries = levels_.empty() ? DIFFUSION_FINEST_ENTRIES : DIFFUSION_COARSE_ENTRIES;
+    level.stencil = packed_image(context, cells, channels, entries, "stencil");
+    level.inverse_l1 = packed_image(context, cells, channels, 1, "inverse l1");
+    if (!last) level.weights = packed_image(context, (cells + 1) / 2, channels, DIFFUSION_WEIGHTS, "weights");
+    for (gpu::Image* v : {&level.b, &level.x, &level.spare, &level.r})
+      *v = packed_image(context, cells, channels, 1, "vector");
+    levels_.push_back(std::move(level));
+  }
+  const MultigridLevel& coarsest = levels_.back();
+  const std::size_t padded = std::size_t(4) * coarsest.texels_x() * coarsest.cells.y * coarsest.cells.z;
+  inverse_ = gpu::Buffer(context, channels * padded * padded * sizeof(float), "diffusion coarsest inverse");
+}
+
+glm::uvec3 Multigrid::threads(std::size_t l) const {
+  if (l == 0) return {tiles_.count * DIFFUSION_TILE_X, channels_ * DIFFUSION_TILE_Y, 1};
+  const MultigridLevel& level = levels_[l];
+  return {level.texels_x(), level.cells.y, level.cells.z * channels_};
+}
+
+LevelPush Multigrid::push(std::size_t l, float omega) const {
+  return {levels_[l].cells, levels_[std::min(l + 1, levels_.size() - 1)].cells, omega};
+}
+
+void Multigrid::set_up() {
+  gpu::Commands commands(context_);
+  for (std::size_t l = 0; l < levels_.size(); ++l) {
+    const bool finest = l == 0;
+    MultigridLevel& level = levels_[l];
+    commands.dispatch(passes_.diagonals[finest], threads(l),
+                      {{"tiles", tiles_.packed}, {"stencil", level.stencil}, {"inverse_l1", level.inverse_l1}, {"diagonal", level.spare}},
+                      push(l));
+    if (l + 1 == levels_.size()) break;
+    const glm::uvec3 coarse = threads(l + 1);
+    commands.dispatch(passes_.weights[finest], coarse,
+                      {{"tiles", tiles_.packed}, {"stencil", level.stencil}, {"diagonal", level.spare}, {"weights", level.weights}},
+                      push(l));
+    commands.dispatch(passes_.galerkin[finest], {coarse.x, coarse.y, coarse.z * DIFFUSION_COARSE_ENTRIES},
+                      {{"tiles", tiles_.packed}, {"stencil", level.stencil}, {"diagonal", level.spare}, {"weights", level.weights},
+                       {"coarse_stencil", levels_[l + 1].stencil}},
+                      push(l));
+  }
+  commands.submit();
+  invert_coarsest();
+}
+
+// The coarsest operator is tiny: its inverse is made in double precision on the CPU. Single precision made the operator,
+// so pivots below its rounding mean nothing.
+void Multigrid::invert_coarsest() {
+  const MultigridLevel& level = levels_.back();
+  const std::vector<float> stencil = gpu::download<float>(context_, level.stencil);
+  const glm::ivec3 n = level.cells, padded{4 * level.texels_x(), n.y, n.z};
+  const int cells = padded.x * n.y * n.z;
+  auto entry = [&](glm::ivec3 c, int k, int channel) {
+    return stencil[padded.x * DIFFUSION_COARSE_ENTRIES * (c.y + std::size_t(n.y) * (c.z + channel * n.z)) + k * padded.x + c.x];
+  };
+  std::vector<float> inverse;
+  for (int channel = 0; channel < channels_; ++channel) {
+    std::vector<double> dense(std::size_t(cells) * cells, 0.0);
+    for (int row = 0; row < cells; ++row) {
+      const glm::ivec3 c{row % padded.x, row / padded.x % n.y, row / (padded.x * n.y)};
+      for (int k = 0; k <= DIFFUSION_DIAGONAL; ++k) {
+        const glm::ivec3 d{k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1}, other = c + d;
+        if (glm::any(glm::lessThan(other, glm::ivec3(0))) || glm::any(glm::greaterThanEqual(other, padded))) continue;
+        const int column = other.x + padded.x * (other.y + n.y * other.z);
+        dense[std::size_t(row) * cells + column] = dense[std::size_t(column) * cells + row] = entry(c, k, channel);
+      }
+    }
+    for (double v : invert_spd(std::move(dense), cells, 1e-6)) inverse.push_back(static_cast<float>(v));
+  }
+  gpu::upload(context_, inverse_, inverse);
+}
+
+void Multigrid::record_smooth(gpu::Commands& commands, std::size_t l, const gpu::Pass& pass, float omega,
+                              const gpu::Image& from, const gpu::Image& to, const gpu::Buffer& partials) {
+  const MultigridLevel& level = levels_[l];
+  commands.dispatch(pass, threads(l),
+                    {{"tiles", tiles_.packed}, {"stencil", level.stencil}, {"x", from}, {"partials", partials},
+                     {"inverse_l1", level.inverse_l1}, {"b", level.b}, {"smoothed", to}},
+                    push(l, omega));
+}
+
+const gpu::Image& Multigrid::record_cycle(gpu::Commands& commands, const gpu::Buffer& partials) {
+  return record_level(commands, 0, partials);
+}
+
+const gpu::Image& Multigrid::record_level(gpu::Commands& commands, std::size_t l, const gpu::Buffer& partials) {
+  MultigridLevel& level = levels_[l];
+  if (l + 1 == levels_.size()) {  // x = A^-1 b
+    commands.dispatch(passes_.direct, {level.texels_x() * level.cells.y * level.cells.z, channels_, 1},
+                      {{"inverse", inverse_}, {"b", level.b}, {"x", level.x}}, push(l));
+    return level.x;
+  }
+  const bool finest = l == 0;
+  const gpu::Image *x = &level.x, *spare = &level.spare;
+  auto smooth = [&](const gpu::Pass& pass, float omega) {  // x += omega D^-1 (b - A x)
+    record_smooth(commands, l, pass, omega, *x, *spare, partials);
+    std::swap(x, spare);
+  };
+  for (std::size_t s = 1; s < omegas_.size(); ++s) smooth(passes_.smooth[finest], omegas_[s]);
+  commands.dispatch(passes_.residual[finest], threads(l),  // r = b - A x
+                    {{"tiles", tiles_.packed}, {"stencil", level.stencil}, {"x", *x}, {"b", level.b}, {"residual", level.r}},
+                    push(l));
+  MultigridLevel& coarse = levels_[l + 1];
+  commands.dispatch(passes_.restrict_residual, threads(l + 1),  // b' = P^T r
+                    {{"tiles", tiles_.packed}, {"residual", level.r}, {"weights", level.weights}, {"inverse_l1", coarse.inverse_l1}, {"b", coarse.b}, {"x", coarse.x}},
+                    push(l, omegas_.front()));
+  const gpu::Image& correction = record_level(commands, l + 1, partials);
+  commands.dispatch(passes_.prolong[finest], threads(l),  // x += P x'
+                    {{"tiles", tiles_.packed}, {"weights", level.weights}, {"correction", correction}, {"x", *x}},
+                    push(l));
+  for (std::size_t s = omegas_.size(); s-- > 0;)
+    smooth(finest && s == 0 ? passes_.smooth_dot : passes_.smooth[finest], omegas_[s]);
+  return *x;
+}
+
+}  // namespace alabaster

@@ -1,0 +1,84 @@
+// Geometric multigrid on 3D images: black-box interpolation, Galerkin coarse operators, Chebyshev smoothing. One V-cycle
+// is a symmetric positive definite preconditioner. Knows no lights and no cut cells: the finest stencil is given.
+#pragma once
+
+#include <vector>
+
+#include "gpu/commands.h"
+#include "shared/diffusion.h"
+
+namespace alabaster {
+
+/// The solver's pipelines, made once a context.
+struct DiffusionPasses {
+  explicit DiffusionPasses(gpu::Context& context);
+  gpu::Pass diagonals[2], weights[2], galerkin[2];  // [finest]
+  gpu::Pass smooth[2], smooth_dot, residual[2], restrict_residual, prolong[2], direct;
+  gpu::Pass apply_dot, norm, update, start, direction, reduce;
+};
+
+struct MultigridOptions {
+  int sweeps = 2;          // Chebyshev smoothing steps before and after the coarse correction
+  double lowest = 0.15;    // they damp the part [lowest, 1] of the l1-scaled spectrum
+  int direct_cells = 128;  // a level of at most this many cells is solved directly
+};
+
+/// Factors of x += omega D^-1 (b - A x) that make `sweeps` such steps the Chebyshev smoother of [lowest, 1].
+std::vector<float> chebyshev_omegas(const MultigridOptions& options);
+
+/// The active part of the finest level: tiles of 8 x 16 texels (32 x 16 x 1 cells), packed x | y << 10 | z << 20.
+struct TileList {
+  gpu::Buffer packed;
+  int count = 0;
+};
+
+struct MultigridLevel {
+  glm::ivec3 cells{0};
+  gpu::Image stencil;     // DIFFUSION_FINEST_ENTRIES or DIFFUSION_COARSE_ENTRIES along x
+  gpu::Image inverse_l1;  // reciprocal l1 norm of the rows
+  gpu::Image weights;     // DIFFUSION_WEIGHTS along x, on the next coarser grid; none on the coarsest level
+  gpu::Image b, x, spare, r;
+  int texels_x() const { return (cells.x + 3) / 4; }
+};
+
+class Multigrid {
+ public:
+  /// `cells` of the finest level, x a multiple of 4, with a margin of one empty cell all around; `tiles` outlives this.
+  Multigrid(gpu::Context& context, const DiffusionPasses& passes, glm::ivec3 cells, int channels, const TileList& tiles,
+            const MultigridOptions& options = {});
+
+  /// Builds everything below the finest stencil, which the caller has written.
+  void set_up();
+
+  /// z = M r. Before: finest().b = r, finest().x = first_omega() * inverse_l1 * r. Leaves partial sums of r . z and
+  /// returns the image that holds z.
+  const gpu::Image& record_cycle(gpu::Commands& commands, const gpu::Buffer& partials);
+
+  MultigridLevel& finest() { return levels_.front(); }
+  std::vector<MultigridLevel>& levels() { return levels_; }
+  float first_omega() const { return omegas_.front(); }
+  int channels() const { return channels_; }
+  const TileList& tiles() const { return tiles_; }
+  /// Threads that cover a level (the finest one by its tiles).
+  glm::uvec3 threads(std::size_t level) const;
+
+ private:
+  const gpu::Image& record_level(gpu::Commands& commands, std::size_t l, const gpu::Buffer& partials);
+  void record_smooth(gpu::Commands& commands, std::size_t l, const gpu::Pass& pass, float omega, const gpu::Image& from,
+                     const gpu::Image& to, const gpu::Buffer& partials);
+  LevelPush push(std::size_t l, float omega = 0) const;
+  void invert_coarsest();
+
+  gpu::Context& context_;
+  const DiffusionPasses& passes_;
+  int channels_;
+  const TileList& tiles_;
+  std::vector<float> omegas_;
+  std::vector<MultigridLevel> levels_;
+  gpu::Buffer inverse_;
+};
+
+/// A zero-filled image for `cells` cells, `entries` a cell, of rgba32f texels.
+gpu::Image packed_image(gpu::Context& context, glm::ivec3 cells, int channels, int entries, const std::string& name);
+
+}  // namespace alabaster

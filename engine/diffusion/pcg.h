@@ -1,0 +1,59 @@
+// Conjugate gradients on the device, preconditioned by a V-cycle. All scalars stay there; the host reads a few floats
+// after every batch of iterations.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "diffusion/multigrid.h"
+
+namespace alabaster {
+
+struct SolverOptions {
+  double tolerance = 1e-6;   // of the true relative residual |b - A x| / |b|
+  int max_iterations = 100;
+  int batch = 2;             // iterations between two looks at the residual
+  MultigridOptions multigrid;
+};
+
+struct SolverStatus {
+  bool converged = false;             // every channel, by its true residual
+  int iterations = 0;                 // of the slowest channel
+  double relative_residual[3] = {0};  // true: |b - A x| / |b|, 0 where b = 0
+  std::string reason;                 // when not converged: one line, with the remedy
+};
+
+class Pcg {
+ public:
+  /// `multigrid` is set up by the caller before solve(), and outlives this.
+  Pcg(gpu::Context& context, const DiffusionPasses& passes, Multigrid& multigrid, const SolverOptions& options = {});
+
+  /// Solves A x = b for the images rhs() and solution(), starting from what solution() holds.
+  SolverStatus solve();
+
+  /// Forgets the solution: the next solve() starts from zero.
+  void clear_solution();
+
+  gpu::Image& rhs() { return rhs_; }
+  gpu::Image& solution() { return high_; }            // x, to single precision
+  gpu::Image& solution_rest() { return low_; }        // x = solution + rest is what the residual is computed from
+  const gpu::Buffer& partials() const { return partials_; }
+  int partials_per_channel() const { return multigrid_.tiles().count * DIFFUSION_PARTIALS; }
+
+ private:
+  void record_start();
+  void record_batch();
+  void reduce(gpu::Commands& commands, int mode);
+  std::vector<CgScalars> scalars() const;
+
+  gpu::Context& context_;
+  const DiffusionPasses& passes_;
+  Multigrid& multigrid_;
+  SolverOptions options_;
+  gpu::Image rhs_, high_, low_, p_;
+  gpu::Buffer partials_, scalars_;
+  std::unique_ptr<gpu::Commands> start_, batch_;
+};
+
+}  // namespace alabaster

@@ -1,0 +1,38 @@
+// (A x)(t) for the image `x`.
+#include "diffusion/stencil.glsl"
+layout(binding = 2, rgba32f) uniform readonly image3D x;
+
+vec4 apply_finest(ivec3 t) {
+  int nx4 = texels(push.cells.x);
+  vec4 own = imageLoad(x, t);
+  vec4 left = shifted_left(imageLoad(x, t - step_x), own), right = shifted_right(own, imageLoad(x, t + step_x));
+  vec4 face_x = coefficient(0, t);
+  vec4 y = coefficient(DIFFUSION_REACTION, t) * own;
+  y += face_x * (own - left) + shifted_right(face_x, coefficient(0, t + step_x)) * (own - right);
+  y += coefficient(1, t) * (own - imageLoad(x, t - step_y)) + coefficient(1, t + step_y) * (own - imageLoad(x, t + step_y));
+  y += coefficient(2, t) * (own - imageLoad(x, t - step_z)) + coefficient(2, t + step_z) * (own - imageLoad(x, t + step_z));
+  return y;
+}
+
+vec4 apply_coarse(ivec3 t) {
+  vec4 y = vec4(0);
+  for (int row = 0; row < 9; ++row) {
+    ivec3 s = t + ivec3(0, row % 3 - 1, row / 3 - 1);
+    vec4 own = imageLoad(x, s);
+    vec4 left = shifted_left(imageLoad(x, s - step_x), own), right = shifted_right(own, imageLoad(x, s + step_x));
+    int k = 3 * row;
+    if (row < 4) {
+      y += coefficient(k, t) * left + coefficient(k + 1, t) * own + coefficient(k + 2, t) * right;
+    } else if (row == 4) {
+      vec4 low = coefficient(k, t);
+      y += low * left + coefficient(k + 1, t) * own + shifted_right(low, coefficient(k, t + step_x)) * right;
+    } else {
+      vec4 to_left = shifted_left(coefficient(26 - k, s - step_x), coefficient(26 - k, s));
+      vec4 to_right = shifted_right(coefficient(24 - k, s), coefficient(24 - k, s + step_x));
+      y += to_left * left + coefficient(25 - k, s) * own + to_right * right;
+    }
+  }
+  return y;
+}
+
+vec4 apply(ivec3 t) { return finest != 0 ? apply_finest(t) : apply_coarse(t); }

@@ -1,0 +1,14 @@
+// product = A x on the finest level, and x . product
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "diffusion/level.glsl"
+#include "diffusion/apply.glsl"
+#include "diffusion/partial.glsl"
+layout(binding = 6, rgba32f) uniform writeonly image3D product;
+
+void main() {
+  ivec3 t = texel_here();
+  vec4 y = apply_finest(t);
+  imageStore(product, t, y);
+  leave_partial(dot(imageLoad(x, t), y));
+}

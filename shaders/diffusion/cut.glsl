@@ -1,0 +1,6 @@
+// The cut cells that the domain hands on.
+#include "shared/domain.h"
+layout(binding = 1, r32ui) uniform readonly uimage3D cut_index;
+layout(binding = 2, scalar) readonly buffer CutCells { GpuCutCell cut_cells[]; };
+
+uint cut_at(ivec3 cell) { return imageLoad(cut_index, cell).r; }

@@ -1,0 +1,53 @@
+// Of every cut cell: the gradient of phi by least squares over its face neighbours and the boundary condition
+// phi_c + g . (x_f - x_c) + 2 A kappa n . g = q at its facet. A constant phi = q gives zero. Lengths in h.
+#version 460
+#extension GL_EXT_scalar_block_layout : require
+#extension GL_GOOGLE_include_directive : require
+#include "shared/diffusion.h"
+#include "diffusion/cut.glsl"
+#include "shared/optics.h"
+layout(local_size_x = 64) in;
+layout(push_constant, scalar) uniform PushBlock { SurfacePush push; };
+layout(binding = 3, scalar) readonly buffer GammaS { vec3 gamma_s[]; };
+layout(binding = 4, scalar) readonly buffer Facets { FacetMedium facets[]; };
+layout(binding = 5, scalar) readonly buffer Scales { FluenceScale scales[]; };
+layout(binding = 6, rgba32f) uniform readonly image3D volume;
+layout(binding = 7, rgba32f) uniform readonly image3D phi;
+layout(binding = 8, scalar) writeonly buffer Gradients { vec4 gradients[]; };  // (g, phi_c), W/m^2, [channel][cut cell]
+
+const float regular = 1e-4;       // of the trace: a direction without neighbours gets no slope
+const float least_flatness = 0.5;  // a facet that is bent more has no normal
+
+float value(ivec3 c, int channel) {
+  return imageLoad(phi, ivec3(c.x >> 2, c.y, c.z + channel * push.cells.z))[c.x & 3] * scales[channel].unit;
+}
+
+void main() {
+  int index = int(gl_GlobalInvocationID.x), channel = int(gl_GlobalInvocationID.y);
+  if (index >= push.count || index == 0) return;
+  ivec3 cell = cut_cells[index].cell;
+  vec3 centre = cut_cells[index].centre;
+  float own = value(cell, channel);
+  mat3 normal_matrix = mat3(0);
+  vec3 right = vec3(0);
+  for (int n = 0; n < 6; ++n) {
+    ivec3 step_ = ivec3(0);
+    step_[n >> 1] = (n & 1) != 0 ? 1 : -1;
+    ivec3 other = cell + step_;
+    if (imageLoad(volume, ivec3(other.x >> 2, other.yz))[other.x & 3] <= 0) continue;
+    vec3 d = vec3(step_) + cut_cells[cut_at(other)].centre - centre;
+    float weight = 1 / dot(d, d);
+    normal_matrix += weight * outerProduct(d, d);
+    right += weight * (value(other, channel) - own) * d;
+  }
+  GpuFacet facet = cut_cells[index].facet;
+  if (length(facet.area_vector) > least_flatness * facet.area) {
+    vec3 d = facet.centre - centre + 2 * push.A * (facets[index].kappa[channel] / push.h) * normalize(facet.area_vector);
+    float weight = 1 / dot(d, d);
+    normal_matrix += weight * outerProduct(d, d);
+    right += weight * (dsbc_source(gamma_s[index][channel], push.f_dt) - own) * d;
+  }
+  float trace = normal_matrix[0][0] + normal_matrix[1][1] + normal_matrix[2][2];
+  vec3 g = trace > 0 ? inverse(normal_matrix + mat3(regular * trace)) * right : vec3(0);
+  gradients[channel * push.count + index] = vec4(g, own);
+}

@@ -1,0 +1,56 @@
+// Sums the partial sums of one channel a workgroup, always in the same order, and moves the channel's conjugate
+// gradients on. A channel that has converged, or broken down, stands still: alpha = beta = 0.
+#version 460
+#extension GL_EXT_scalar_block_layout : require
+#extension GL_GOOGLE_include_directive : require
+#include "shared/diffusion.h"
+layout(local_size_x = 256) in;
+layout(push_constant, scalar) uniform PushBlock { ReducePush push; };
+layout(binding = 0, scalar) readonly buffer Partials { float partials[]; };
+layout(binding = 1, scalar) buffer Scalars { CgScalars scalars[]; };
+shared float sums[256];
+
+void advance(inout CgScalars s, float sum) {
+  float goal = push.tolerance * push.tolerance * s.bb;
+  bool broken = !(sum >= 0) || isinf(sum);
+  if (push.mode == DIFFUSION_REDUCE_START) {
+    s.bb = sum;
+    s.iterations = 0;
+  } else if (push.mode == DIFFUSION_REDUCE_TRUE) {
+    s.true_rr = s.rr = sum;
+    s.rho = 0;
+    s.done = s.bb <= 0 || sum <= goal ? 1 : 0;
+  } else if (push.mode == DIFFUSION_REDUCE_BETA) {
+    s.beta = s.done == 0 && s.rho > 0 ? sum / s.rho : 0;
+    s.rho = sum;
+  } else if (push.mode == DIFFUSION_REDUCE_ALPHA) {
+    s.alpha = s.done == 0 && sum > 0 ? s.rho / sum : 0;
+    broken = broken || sum == 0;
+  } else {
+    s.rr = sum;
+    if (s.done == 0) {
+      s.iterations += 1;
+      if (sum <= goal) s.done = 1;
+    }
+  }
+  if (broken && s.done == 0) {
+    s.done = 2;
+    s.alpha = s.beta = 0;
+  }
+}
+
+void main() {
+  uint channel = gl_WorkGroupID.x, lane = gl_LocalInvocationID.x;
+  float sum = 0;
+  for (uint i = lane; i < push.partials; i += 256) sum += partials[channel * push.partials + i];
+  sums[lane] = sum;
+  for (uint half_ = 128; half_ > 0; half_ >>= 1) {
+    barrier();
+    if (lane < half_) sums[lane] += sums[lane + half_];
+  }
+  if (lane == 0) {
+    CgScalars s = scalars[channel];
+    advance(s, sums[0]);
+    scalars[channel] = s;
+  }
+}

@@ -1,0 +1,97 @@
+// What the diffusion solver's shaders and its C++ side agree on.
+//
+// Layout. A quantity of the grid is a 3D image of rgba32f texels: texel (x4, y, channel * nz + z) holds the four cells
+// x = 4 x4 .. 4 x4 + 3. Quantities with several entries a cell stack them along x: texel x = entry * nx4 + x4, with
+// nx4 = ceil(nx / 4). Reads outside an image are zero and writes there are dropped (robustImageAccess).
+//
+// Scale. Everything inside is without units: lengths in h, kappa in the channel's largest kappa, fluence in the channel's
+// largest boundary value 4 Gamma_s / F_dt; so neither metres, millimetres nor the strength of the light reach fp32's ends.
+#ifndef ALABASTER_SHARED_DIFFUSION_H
+#define ALABASTER_SHARED_DIFFUSION_H
+#include "language.h"
+
+// Entries of the finest stencil: conductances of the faces towards lower x, y, z, and the reaction (absorption and what
+// the surface lets through). (A phi)_i = reaction_i phi_i + sum_f T_f (phi_i - phi_j): differences, so that a constant
+// field loses nothing to rounding.
+#define DIFFUSION_REACTION 3
+#define DIFFUSION_FINEST_ENTRIES 4
+// Entries of a coarse stencil: A(i, i + offset(k)), k = 0..13, offset(k) = (k % 3, k / 3 % 3, k / 9) - 1; the other
+// thirteen are these by symmetry.
+#define DIFFUSION_DIAGONAL 13
+#define DIFFUSION_COARSE_ENTRIES 14
+#define DIFFUSION_WEIGHTS 27
+
+// Dot products: each subgroup of a tile leaves one partial sum; tiles have room for this many (subgroups of 8 or more).
+#define DIFFUSION_PARTIALS 16
+// A tile is a workgroup of 8 x 16 texels: the domain's tile of 32 x 16 x 1 cells.
+#define DIFFUSION_TILE_X 8
+#define DIFFUSION_TILE_Y 16
+
+// What reduce.comp makes of the sums.
+#define DIFFUSION_REDUCE_START 0
+#define DIFFUSION_REDUCE_BETA 1
+#define DIFFUSION_REDUCE_ALPHA 2
+#define DIFFUSION_REDUCE_RESIDUAL 3
+#define DIFFUSION_REDUCE_TRUE 4
+
+ALABASTER_BEGIN_SHARED
+
+struct LevelPush {
+  ivec3 cells;         // of the level; in transfers and set-up of the finer one
+  ivec3 coarse_cells;  // of the next coarser level
+  float omega;         // smoothing factor
+};
+
+struct ReducePush {
+  int partials;     // of one channel
+  int mode;         // DIFFUSION_REDUCE_*
+  float tolerance;  // of the relative residual
+};
+
+// Scalars of the conjugate gradients of one channel.
+struct CgScalars {
+  float bb;            // |b|^2
+  float rr;            // |r|^2, r by recurrence
+  float rho;           // r . z
+  float alpha;         // step; 0 once converged
+  float beta;
+  float true_rr;       // |b - A x|^2
+  int iterations;
+  int done;            // 1: converged, 2: broken down (p . A p <= 0 or not finite)
+};
+
+// The medium at a cut cell, for the surface.
+struct FacetMedium {
+  vec3 kappa;              // m
+  vec3 reduced_intensity;  // exp(-sigma_a / sigma_s')
+};
+
+// Unit of a channel's fluence inside the solver.
+struct FluenceScale {
+  float unit;   // W/m^2: the power of two above the largest boundary value 4 Gamma_s / F_dt
+  float ratio;  // unit of the solve before over this one; 0 where there is nothing to keep
+};
+
+struct OperatorPush {
+  ivec3 cells;
+  int count;        // of cut cells, entry 0 included
+  vec3 resistance;  // A kappa_scale / h of each channel
+};
+
+struct SurfacePush {
+  ivec3 cells;
+  int count;     // of cut cells, entry 0 included
+  int channels;  // 1 or 3
+  float A;
+  float f_dt;
+  float h;       // m
+};
+
+// Per channel, in units: light in and out in W, absorbed still in units of the solver.
+struct EnergySums {
+  float in_, absorbed, out_;
+};
+
+ALABASTER_END_SHARED
+
+#endif

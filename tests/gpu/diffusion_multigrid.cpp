@@ -1,0 +1,98 @@
+// Every pass of the multigrid against its double-precision twin.
+#include "support/device.h"
+#include "support/diffusion_problems.h"
+
+namespace alabaster {
+namespace {
+
+class GpuMultigrid : public GpuTest {
+ protected:
+  DiffusionPasses passes{context};
+};
+
+struct Case {
+  std::string name;
+  Mesh mesh;
+  twin::MaterialField medium;
+};
+
+std::vector<Case> cases() {
+  std::vector<Case> list;
+  const Mesh tilted_plate = transformed(box({1, 0.02f, 0.9f}), rotation({1, 2, 3}, 17));
+  list.push_back({"ball", icosphere(3, 0.5f), checker(0.02, 1, 1)});
+  list.push_back({"checker 1e4", icosphere(3, 0.5f), checker(0.02, 1e4, 0.13, 3)});
+  list.push_back({"plate", tilted_plate, checker(0.02, 1, 1)});
+  list.push_back({"needle", cylinder(0.012f, 1, 8), checker(0.02, 1, 1)});
+  list.push_back({"odd sizes", box({1, 0.37f, 0.71f}), checker(0.02, 100, 0.2)});
+  return list;
+}
+
+TEST_F(GpuMultigrid, HierarchyEqualsTwin) {
+  for (const Case& test : cases()) {
+    SCOPED_TRACE(test.name);
+    const CutCells cells = gridded(test.mesh, 30);
+    const twin::Problem first = twin::assemble(cells, test.medium, 2.6);
+    const twin::Problem second = twin::assemble(cells, checker(0.1, 10, 0.3, 1), 2.6);
+    const TileList tiles = tile_list(context, first.a);
+    Multigrid multigrid(context, passes, first.a.grid.n, 2, tiles);
+    std::vector<float> stencil = pack_finest(first.a), other = pack_finest(second.a);
+    stencil.insert(stencil.end(), other.begin(), other.end());
+    gpu::upload(context, multigrid.finest().stencil, stencil);
+    multigrid.set_up();
+    int channel = 0;
+    for (const twin::Problem* problem : {&first, &second}) {
+      const twin::Multigrid expected(problem->a);
+      ASSERT_EQ(multigrid.levels().size(), expected.levels().size());
+      for (std::size_t l = 0; l < expected.levels().size(); ++l) {
+        const twin::Operator& a = expected.levels()[l].a;
+        const std::vector<float> inverse = gpu::download<float>(context, multigrid.levels()[l].inverse_l1);
+        EXPECT_LT(worst_difference(unpack(inverse, a.grid, 0, 1, channel), expected.levels()[l].inverse_l1), 1e-4) << l;
+        if (l > 0) {
+          const std::vector<float> got = gpu::download<float>(context, multigrid.levels()[l].stencil);
+          for (int k = 0; k <= twin::diagonal; ++k)
+            EXPECT_LT(worst_difference(unpack(got, a.grid, k, DIFFUSION_COARSE_ENTRIES, channel), a.a[k]), 1e-4) << l << " entry " << k;
+        }
+        if (l + 1 < expected.levels().size()) {
+          const std::vector<float> got = gpu::download<float>(context, multigrid.levels()[l].weights);
+          const twin::Interpolation& p = expected.interpolations()[l];
+          for (int k = 0; k < DIFFUSION_WEIGHTS; ++k)
+            EXPECT_LT(worst_difference(unpack(got, p.coarse, k, DIFFUSION_WEIGHTS, channel), p.p[k]), 1e-4) << l << " weight " << k;
+        }
+      }
+      ++channel;
+    }
+  }
+}
+
+TEST_F(GpuMultigrid, SolvesLikeTheTwin) {
+  for (const Case& test : cases()) {
+    SCOPED_TRACE(test.name);
+    const CutCells cells = gridded(test.mesh, 30);
+    const twin::Problem problem = twin::assemble(cells, test.medium, 2.6);
+    const TileList tiles = tile_list(context, problem.a);
+    Multigrid multigrid(context, passes, problem.a.grid.n, 1, tiles);
+    gpu::upload(context, multigrid.finest().stencil, pack_finest(problem.a));
+    multigrid.set_up();
+    Pcg pcg(context, passes, multigrid);
+    twin::Vector b = problem.facet_conductance;
+    gpu::upload(context, pcg.rhs(), pack({&b}, problem.a.grid));
+    const SolverStatus status = pcg.solve();
+    EXPECT_TRUE(status.converged) << status.reason;
+    twin::Multigrid reference(problem.a);
+    const twin::Solution expected = twin::solve_pcg(reference, b, 1e-6, 100);
+    EXPECT_LE(std::abs(status.iterations - expected.iterations), 2);
+    twin::Vector x = unpack(gpu::download<float>(context, pcg.solution()), problem.a.grid, 0, 1, 0);
+    const twin::Vector rest = unpack(gpu::download<float>(context, pcg.solution_rest()), problem.a.grid, 0, 1, 0);
+    for (std::size_t i = 0; i < x.size(); ++i) x[i] += rest[i];
+    twin::Vector r;
+    problem.a.apply(x, r);
+    for (std::size_t i = 0; i < r.size(); ++i) r[i] = b[i] - r[i];
+    const double residual = std::sqrt(twin::dot(r, r) / twin::dot(b, b));
+    printf("%-12s iterations %d (twin %d) residual %.2e (twin's %.2e) \n", test.name.c_str(), status.iterations, expected.iterations, status.relative_residual[0], residual);
+    EXPECT_LT(residual, 1.2e-6);
+    EXPECT_NEAR(residual, status.relative_residual[0], 0.2e-6);
+  }
+}
+
+}  // namespace
+}  // namespace alabaster
