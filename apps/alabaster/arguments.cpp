@@ -21,6 +21,14 @@ glm::ivec2 parse_size(const std::string& text) {
   return size;
 }
 
+std::optional<int> parse_grid(const std::string& text) {
+  if (text == "auto") return std::nullopt;
+  int grid = 0, used = 0;
+  if (std::sscanf(text.c_str(), "%d%n", &grid, &used) != 1 || used != static_cast<int>(text.size()))
+    throw UserError("--grid " + text + ": write a number of cells, for example 64, or auto");
+  return grid;
+}
+
 void check_writable(const std::string& path) {
   namespace fs = std::filesystem;
   const fs::path folder = fs::path(path).has_parent_path() ? fs::path(path).parent_path() : fs::path(".");

@@ -7,7 +7,7 @@
 int main(int argc, char** argv) {
   CLI::App app("Translucent, heterogeneous solids from the diffusion equation, and the proof that they are right.", "alabaster");
   app.require_subcommand(1);
-  //RENDER alabaster::add_render(app);
+  alabaster::add_render(app);
   alabaster::add_reference(app);
   alabaster::add_compare(app);
   alabaster::add_merge(app);

@@ -21,6 +21,39 @@ MediumField field_of(const Medium& medium) {
   };
 }
 
+namespace {
+
+glm::vec3 reduced_at(const MediumPoint& m) {
+  glm::dvec3 reduced;
+  for (int c = 0; c < 3; ++c) reduced[c] = reduced_intensity(m.sigma_a[c], m.sigma_s_reduced[c]);
+  return glm::vec3(reduced);
+}
+
+}  // namespace
+
+gpu::Image reduced_intensity_image(gpu::Context& context, const Domain& domain, const Medium& medium) {
+  const MediumField field = field_of(medium);
+  const glm::ivec3 n = medium.heterogeneous() ? domain.frame.cells : glm::ivec3(1);
+  std::vector<glm::vec4> texels(std::size_t(n.x) * n.y * n.z, glm::vec4(0));
+  if (medium.heterogeneous()) {
+    // A trilinear tap on the surface reads cells up to one away from a cut one.
+    for (const GpuCutCell& cut : gpu::download<GpuCutCell>(context, domain.cut_cells))
+      if (cut.facet.area > 0)
+        for (int k = 0; k < 27; ++k) {
+          const glm::ivec3 cell = cut.cell + glm::ivec3(k % 3, k / 3 % 3, k / 9) - 1;
+          glm::vec4& texel = texels[cell.x + std::size_t(n.x) * (cell.y + std::size_t(n.y) * cell.z)];
+          if (texel.w != 0) continue;
+          const glm::dvec3 middle = glm::dvec3(domain.frame.origin) + double(domain.frame.h) * (glm::dvec3(cell) + 0.5);
+          texel = glm::vec4(reduced_at(field(middle)), 1);
+        }
+  } else {
+    texels[0] = glm::vec4(reduced_at(field(glm::dvec3(0))), 1);
+  }
+  gpu::Image image = gpu::image3d(context, n, VK_FORMAT_R32G32B32A32_SFLOAT, "reduced intensity");
+  gpu::upload(context, image, texels);
+  return image;
+}
+
 MediumSamples sample_medium(gpu::Context& context, const Domain& domain, const MediumField& field, int channels) {
   const glm::ivec3 n = domain.frame.cells;
   const double h = domain.frame.h, clearest = 100 * h * std::max({n.x, n.y, n.z});
@@ -44,17 +77,14 @@ MediumSamples sample_medium(gpu::Context& context, const Domain& domain, const M
         const GpuCutCell& cut = cut_cells[cut_index[i]];
         const glm::dvec3 local = glm::dvec3(x, y, z) + glm::dvec3(cut.centre);
         const MediumPoint m = field(glm::dvec3(domain.frame.origin) + h * local);
-        glm::dvec3 kappa, reduced;
-        for (int c = 0; c < 3; ++c) {
-          kappa[c] = 1 / std::max(3 * (m.sigma_s_reduced[c] + m.sigma_a[c]), 1 / clearest);
-          reduced[c] = reduced_intensity(m.sigma_a[c], m.sigma_s_reduced[c]);
-        }
+        glm::dvec3 kappa;
+        for (int c = 0; c < 3; ++c) kappa[c] = 1 / std::max(3 * (m.sigma_s_reduced[c] + m.sigma_a[c]), 1 / clearest);
         for (int c = 0; c < channels; ++c) {
           samples.kappa[c * cells + i] = static_cast<float>(kappa[c]);
           samples.absorption[c * cells + i] = static_cast<float>(m.sigma_a[c] * h * h);
         }
         largest = glm::max(largest, kappa);
-        if (cut_index[i] != 0) samples.facets[cut_index[i]] = {glm::vec3(kappa), glm::vec3(reduced)};
+        if (cut_index[i] != 0) samples.facets[cut_index[i]] = {glm::vec3(kappa), reduced_at(m)};
       }
     const std::lock_guard lock(guard);
     samples.kappa_scale = glm::max(samples.kappa_scale, largest);

@@ -12,9 +12,9 @@ class FacetSource {
  public:
   FacetSource(gpu::Context& context, const Domain& domain);
 
-  /// Gamma_s (report, Eq. 5) of each cut cell into gamma_s(). `reduced` holds exp(-sigma_a / sigma_s') as one vec3 a cut
-  /// cell, `eta` is index inside / outside. The shadow maps of `lighting` must have been recorded before.
-  void record(gpu::Commands& commands, const Lighting& lighting, const gpu::Buffer& reduced, double eta) const;
+  /// Gamma_s (report, Eq. 5) of each cut cell into gamma_s(). `media` holds a FacetMedium (shared/diffusion.h) a cut cell,
+  /// `eta` is index inside / outside. The shadow maps of `lighting` must have been recorded before.
+  void record(gpu::Commands& commands, const Lighting& lighting, const gpu::Buffer& media, double eta) const;
 
   /// W/m^2, one vec3 an entry of Domain::cut_cells.
   const gpu::Buffer& gamma_s() const { return gamma_s_; }

@@ -18,6 +18,6 @@ void main() {
   // The middle of a bent piece of surface lies below it, the more the shorter its area vector is beside its area.
   float straight = there ? min(vector_length / side.area, 1.0) : 1.0;
   float slack = push.h * (0.02 + 0.5 * sqrt(1.0 - straight * straight));
-  vec3 position = push.origin + push.h * (vec3(cut_cells[i / 2].cell) + side.centroid);
+  vec3 position = push.origin + push.h * (vec3(cut_cells[i / 2].cell) + side.centre);
   receivers[i] = Receiver(position, normal, slack);
 }

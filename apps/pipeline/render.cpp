@@ -1,0 +1,120 @@
+#include "pipeline/render.h"
+
+#include <chrono>
+#include <memory>
+
+#include "lighting/facet_source.h"
+
+namespace alabaster {
+namespace {
+
+/// Adds the wall-clock time it lives to a stage.
+class Stage {
+ public:
+  Stage(RenderResult& result, const std::string& name) : milliseconds_(result.stages[name]) {}
+  ~Stage() { milliseconds_ += std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start_).count(); }
+  Stage(const Stage&) = delete;
+  Stage& operator=(const Stage&) = delete;
+
+ private:
+  double& milliseconds_;
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+/// Everything that lives as long as one object's fluence is wanted. The parts refer to each other: it does not move.
+struct Body {
+  std::size_t object = 0;
+  Domain domain;
+  std::unique_ptr<Diffusion> diffusion;
+  std::unique_ptr<FacetSource> source;
+  gpu::Image reduced_intensity;
+};
+
+void solve(gpu::Context& context, const Lighting& lighting, Body& body, double eta, RenderResult& result) {
+  {
+    Stage stage(result, "gamma_s");
+    gpu::Commands commands(context);
+    body.source->record(commands, lighting, body.diffusion->facet_medium(), eta);
+    commands.submit();
+  }
+  Stage stage(result, "solve");
+  ObjectReport& report = result.objects.emplace_back();
+  report.solver = body.diffusion->solve(body.source->gamma_s());
+  report.energy = body.diffusion->energy(body.source->gamma_s());
+}
+
+void report_on(const Object& object, const Body& body, int channels, RenderResult& result) {
+  ObjectReport& report = result.objects.back();
+  report.name = object.name;
+  report.cells = body.domain.frame.cells;
+  report.domain = body.domain.summary;
+  report.levels = static_cast<int>(body.diffusion->multigrid().levels().size());
+  report.channels = channels;
+  for (const std::string& warning : body.domain.warnings) result.warnings.push_back(object.name + ": " + warning);
+  if (!report.solver.converged) result.warnings.push_back(object.name + ": " + report.solver.reason);
+}
+
+}  // namespace
+
+RenderResult render_scene(gpu::Context& context, const Scene& scene, const Plan& plan) {
+  RenderResult result;
+  std::unique_ptr<DomainMaker> domains;
+  std::unique_ptr<DiffusionPasses> solver_passes;
+  std::unique_ptr<FluencePasses> fluence_passes;
+  std::unique_ptr<Shading> shading;
+  {
+    Stage stage(result, "pipelines");
+    domains = std::make_unique<DomainMaker>(context);
+    solver_passes = std::make_unique<DiffusionPasses>(context);
+    fluence_passes = std::make_unique<FluencePasses>(context);
+    shading = std::make_unique<Shading>(context);
+  }
+
+  std::unique_ptr<SceneMeshes> meshes;
+  std::unique_ptr<Lighting> lighting;
+  {
+    Stage stage(result, "shadow maps");
+    meshes = std::make_unique<SceneMeshes>(upload_meshes(context, scene));
+    lighting = std::make_unique<Lighting>(context, scene, *meshes, LightSettings{plan.light_samples, plan.environment_samples, plan.shadow_map_size});
+    gpu::Commands commands(context);
+    lighting->record_shadow_maps(commands);
+    commands.submit();
+  }
+
+  SolverOptions options;
+  options.tolerance = plan.tolerance;
+  std::vector<std::unique_ptr<Body>> bodies;
+  for (std::size_t i = 0; i < scene.objects.size(); ++i) {
+    const Object& object = scene.objects[i];
+    if (object.role != Role::translucent) continue;
+    Body& body = *bodies.emplace_back(std::make_unique<Body>());
+    body.object = i;
+    {
+      Stage stage(result, "cut cells");
+      body.domain = domains->make(object.mesh, choose_frame(bounds_of(object.mesh), plan.grid));
+    }
+    MediumSamples medium;
+    {
+      Stage stage(result, "medium");
+      const MediumField field = field_of(object.medium);
+      medium = sample_medium(context, body.domain, field, plan.channels);
+      body.reduced_intensity = reduced_intensity_image(context, body.domain, object.medium);
+    }
+    {
+      Stage stage(result, "solver set-up");
+      body.diffusion = std::make_unique<Diffusion>(context, *solver_passes, *fluence_passes, body.domain, medium, object.eta, options);
+      body.source = std::make_unique<FacetSource>(context, body.domain);
+    }
+    solve(context, *lighting, body, object.eta, result);
+    report_on(object, body, plan.channels, result);
+  }
+
+  Stage stage(result, "shade");
+  Shading::Input input{scene, *meshes, *lighting, {}, plan.camera, {plan.size}, plan.transport == Transport::report ? Exit::report : Exit::as_printed};
+  for (const auto& body : bodies)
+    input.surfaces.push_back({static_cast<int>(body->object), &body->diffusion->surface(), &body->reduced_intensity, body->domain.frame});
+  result.shaded = shading->shade(input);
+  return result;
+}
+
+}  // namespace alabaster
