@@ -39,11 +39,16 @@ double turbulence(glm::dvec3 p) {
   return sum;
 }
 
-/// 1 in the middle of a vein, 0 far from one. `p`: position in units of the box.
-double vein(glm::dvec3 p) {
-  double wave = std::sin(9 * glm::dot(p, glm::dvec3(0.6, 0.75, 0.3)) + 3.2 * turbulence(3.0 * p));
-  double thin = std::exp(-wave * wave / 0.03);
-  return thin * (0.55 + 0.45 * value_noise(5.0 * p + 40.0));
+/// 1 in the middle of a vein, 0 far from one: the zero level of a bent wave. `sharpness` narrows it.
+double vein(double wave, double sharpness) { return std::exp(-sharpness * wave * wave); }
+
+/// How much of the vein's matter there is, 0..1. `p`: position in units of the box.
+double veins(glm::dvec3 p) {
+  double bend = turbulence(1.7 * p), fine_bend = turbulence(2.6 * p + 31.0);
+  double broad = vein(std::sin(8 * glm::dot(p, glm::dvec3(0.62, 0.7, 0.35)) + 3.0 * bend), 22);
+  double thin = vein(std::sin(11 * glm::dot(p, glm::dvec3(-0.5, 0.75, 0.45)) + 4.0 * fine_bend), 60);
+  double fading = 0.6 + 0.4 * value_noise(3.0 * p + 40.0);
+  return std::min(1.0, fading * broad + 0.5 * thin);
 }
 
 }  // namespace
@@ -55,8 +60,8 @@ Medium veined_marble(const Bounds& bounds, int cells) {
   for (int z = 0; z < cells; ++z)
     for (int y = 0; y < cells; ++y)
       for (int x = 0; x < cells; ++x) {
-        double v = vein((glm::dvec3(x, y, z) + 0.5) / double(cells));
-        glm::dvec3 sigma_a = white.sigma_a * (1 + 29 * v) * (1.0 + v * glm::dvec3(0, 0.15, 0.3));
+        double v = veins((glm::dvec3(x, y, z) + 0.5) / double(cells));
+        glm::dvec3 sigma_a = white.sigma_a * (1 + 59 * v) * (1.0 + v * glm::dvec3(0, 0.15, 0.3));
         glm::dvec3 sigma_s = white.sigma_s * (1 - 0.4 * v);
         for (int c = 0; c < 3; ++c) {
           sigma_t->values.push_back(float(sigma_s[c] + sigma_a[c]));
