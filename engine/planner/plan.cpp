@@ -95,10 +95,8 @@ Plan make_plan(const Scene& scene, const Request& request, std::uint64_t heap_by
   plan.channels = is_grey(scene) ? 1 : 3;
   plan.reasons.push_back(plan.channels == 1 ? "one channel: materials and lights are grey" : "three channels: a material or a light has colour");
   plan.grid = choose_grid(scene, request, plan, heap_bytes);
-  const bool lit_by_area = std::any_of(scene.objects.begin(), scene.objects.end(), [](const Object& o) { return o.role == Role::emissive; });
   const int usual = request.quality == Quality::preview ? 8 : request.quality == Quality::accurate ? 128 : 32;
-  plan.light_samples = lit_by_area ? request.light_samples.value_or(usual) : 0;
-  if (lit_by_area && (plan.light_samples < 1 || plan.light_samples > 1024)) throw UserError("--light-samples must lie between 1 and 1024");
+  plan.light_samples = request.light_samples.value_or(usual);
   plan.environment_samples = scene.environment.radiance == glm::vec3(0) ? 0 : 2 * usual;
   plan.reasons.push_back("surface reflection: of the constant environment only");
   return plan;

@@ -40,7 +40,7 @@ struct Plan {
   int grid = 0;                // cells along the longest side of each translucent object
   double tolerance = 0;
   int channels = 3;            // 1 where materials and lights are grey: one solve serves red, green and blue
-  int light_samples = 0;       // points on area lights
+  int light_samples = 0;       // points on area lights, where there are any
   int environment_samples = 0;  // directions in which the environment's occlusion is looked up; 0 without environment
   int shadow_map_size = 512;   // texels
   std::vector<std::string> reasons;  // one line each
