@@ -5,11 +5,12 @@
 #include <numeric>
 
 #include "scene/error.h"
+#include "shared/lighting.h"
 
 namespace alabaster {
 namespace {
 
-constexpr int most_samples = 1024;
+constexpr int most_samples = most_light_points;
 
 struct Light {
   int object;
@@ -96,6 +97,9 @@ LightSamples sample_lights(const Scene& scene, int samples, int directions) {
   for (const Light& light : lights)
     for (int i = 0; i < light.samples; ++i)
       result.area.push_back(sample_point(light, scene.objects[light.object], i, light.samples));
+  if (result.area.size() > most_samples)
+    throw UserError(scene.path + ": " + std::to_string(lights.size()) + " emissive meshes where " +
+                    std::to_string(most_samples) + " are the most; join some of them");
 
   if (result.environment == glm::vec3(0)) return result;
   for (int i = 0; i < directions; ++i) {
