@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "lighting/shadow_views.h"
+#include "scene/error.h"
 
 namespace alabaster {
 
@@ -24,6 +25,7 @@ double distance(const Bounds& box, glm::vec3 p) {
 }
 
 gpu::Image depth_maps(gpu::Context& context, int size, std::size_t layers) {
+  if (size < 16) throw UserError("shadow maps: " + std::to_string(size) + " texels along an edge; choose 16 or more");
   gpu::ImageSpec spec;
   spec.size = {size, size, 1};
   spec.format = VK_FORMAT_D32_SFLOAT;
@@ -83,7 +85,11 @@ void Lighting::make_views(const Scene& scene, const LightSettings& settings) {
   for (const glm::vec3& direction : samples_.directions)
     add(direction_view(direction, focus, everything, settings.map_size), -1);
 
-  std::vector<std::byte> bytes(sizeof header + points.size() * sizeof(LightPoint));
+  if (views.size() > most_shadow_views)
+    throw UserError(scene.path + ": light samples need " + std::to_string(views.size()) + " shadow maps where " +
+                    std::to_string(most_shadow_views) + " are the most; choose fewer samples or directions");
+  views.resize(most_shadow_views);
+  std::vector<std::byte> bytes(sizeof header + most_light_points * sizeof(LightPoint));
   std::memcpy(bytes.data(), &header, sizeof header);
   if (!points.empty()) std::memcpy(bytes.data() + sizeof header, points.data(), points.size() * sizeof(LightPoint));
   lights_ = gpu::make_buffer(context_, bytes, "lights");

@@ -5,11 +5,12 @@
 #include <numeric>
 
 #include "scene/error.h"
+#include "shared/lighting.h"
 
 namespace alabaster {
 namespace {
 
-constexpr int most_samples = 1024;
+constexpr int most_samples = most_light_points;
 
 struct Light {
   int object;
@@ -49,24 +50,22 @@ void share_out(std::vector<Light>& lights, int samples) {
   for (int i = 0; i < spare - given; ++i) ++lights[remainders[i % remainders.size()].second].samples;
 }
 
-/// The plastic-number sequence (R2): even in area for any number of points.
-glm::dvec2 low_discrepancy(int i) {
-  constexpr double p = 1.32471795724474602596;
-  const glm::dvec2 x = glm::dvec2(0.5) + double(i) * glm::dvec2(1 / p, 1 / (p * p));
-  return x - glm::floor(x);
+/// Golden-ratio sequence: with i / n it makes a Fibonacci lattice, the evenest there is in two dimensions.
+double golden(int i) {
+  const double x = 0.5 + 0.6180339887498949 * i;
+  return x - std::floor(x);
 }
 
-/// Point i of n: stratified along the list of triangles by area, low-discrepancy inside each.
+/// Point i of n: stratified along the list of triangles by area, a Fibonacci lattice inside each.
 LightSample sample_point(const Light& light, const Object& object, int i, int n) {
   const double along = (i + 0.5) / n * light.area();
   const auto found = std::upper_bound(light.area_below.begin(), light.area_below.end(), along);
   const std::size_t k = std::min<std::size_t>(found - light.area_below.begin(), light.area_below.size() - 1);
   const double low = k ? light.area_below[k - 1] : 0, width = light.area_below[k] - low;
 
-  // Samples first..last of n lie in this triangle; they share it evenly.
   const glm::uvec3 t = object.mesh.triangles[k];
   const glm::dvec3 a = object.mesh.positions[t.x], b = object.mesh.positions[t.y], c = object.mesh.positions[t.z];
-  const glm::dvec2 u = {(along - low) / width, low_discrepancy(i).y};
+  const glm::dvec2 u = {(along - low) / width, golden(i)};
   const double root = std::sqrt(u.x);
   LightSample sample;
   sample.position = (1 - root) * a + root * (1 - u.y) * b + root * u.y * c;
@@ -96,6 +95,9 @@ LightSamples sample_lights(const Scene& scene, int samples, int directions) {
   for (const Light& light : lights)
     for (int i = 0; i < light.samples; ++i)
       result.area.push_back(sample_point(light, scene.objects[light.object], i, light.samples));
+  if (result.area.size() > most_samples)
+    throw UserError(scene.path + ": " + std::to_string(lights.size()) + " emissive meshes where " +
+                    std::to_string(most_samples) + " are the most; join some of them");
 
   if (result.environment == glm::vec3(0)) return result;
   for (int i = 0; i < directions; ++i) {

@@ -2,8 +2,8 @@
 // exponential. Needs scalar block layout; takes bindings 0 to 2.
 #include "shared/lighting.h"
 
-layout(binding = 0, scalar) readonly buffer Lights { LightingHeader lighting; LightPoint points[]; };
-layout(binding = 1, scalar) readonly buffer Views { ShadowView views[]; };
+layout(binding = 0, scalar) uniform Lights { LightingHeader lighting; LightPoint points[most_light_points]; };
+layout(binding = 1, scalar) uniform Views { ShadowView views[most_shadow_views]; };
 layout(binding = 2) uniform sampler2DArrayShadow shadow_maps;
 
 // 1 lit, 0 in shadow, between at a shadow's edge (2x2 comparisons, bilinear); `inside` says whether the map holds the

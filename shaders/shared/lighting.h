@@ -37,6 +37,10 @@ struct LightingHeader {
   vec3 environment;  // W/m^2/sr from every direction
 };
 
+// Lights and views are uniform buffers of a fixed size (64 KiB at most; every lane reads the same entry).
+const uint most_light_points = 1024;
+const uint most_shadow_views = 960;
+
 struct GatherPush {
   uint receivers;
   float eta;         // index inside / outside; 1 gathers plain irradiance
