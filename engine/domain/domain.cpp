@@ -23,11 +23,6 @@ struct Total {
   glm::vec3 area_vector;
 };
 
-struct Status {  // counters of the passes
-  std::uint32_t closure, slit_cells, crumpled_cells, inner_cells, overlapping_texels, pairs, pairs_listed,
-      inverted_texels;
-};
-
 /// A triangle's bounding box, cut into runs of cells that one thread can walk.
 std::vector<Item> make_items(const std::vector<glm::vec3>& positions, const std::vector<glm::uvec3>& triangles) {
   std::vector<Item> items;
@@ -76,7 +71,7 @@ class DomainBuild {
         candidates_(context_, cell_count_),
         cuts_(context_, cell_count_),
         tiles_(context_, std::size_t(tile_counts(frame).x) * tile_counts(frame).y * frame.cells.z),
-        status_(context_, sizeof(Status), "domain status") {
+        status_(context_, sizeof(DomainStatus), "domain status") {
     out_.frame = frame;
     std::vector<glm::vec3> positions = grid_positions(mesh, frame);
     std::vector<Item> items = make_items(positions, mesh.triangles);
@@ -107,7 +102,7 @@ class DomainBuild {
   }
   std::uint32_t total(const BitSet& set) const { return gpu::download<std::uint32_t>(context_, set.total)[0]; }
 
-  Status read_status() const { return gpu::download<Status>(context_, status_)[0]; }
+  DomainStatus read_status() const { return gpu::download<DomainStatus>(context_, status_)[0]; }
 
   void find_candidates() {
     gpu::Commands commands(context_);
@@ -278,7 +273,7 @@ class DomainBuild {
 
   void summarise() {
     DomainSummary& s = out_.summary;
-    Status status = read_status();
+    DomainStatus status = read_status();
     double h = out_.frame.h;
     s.inner_cells = status.inner_cells;
     s.slit_cells = status.slit_cells;
@@ -295,7 +290,7 @@ class DomainBuild {
     judge(status);
   }
 
-  void judge(const Status& status) {
+  void judge(const DomainStatus& status) {
     const DomainSummary& s = out_.summary;
     if (status.crumpled_cells > 0) {
       throw UserError(

@@ -12,7 +12,7 @@ layout(binding = 3, scalar) readonly buffer CutBits { uint cut_bits[]; };
 layout(binding = 4, scalar) readonly buffer CutBefore { uint cut_before[]; };
 layout(binding = 5, scalar) readonly buffer Gifts { uint gifts[]; };
 layout(binding = 6, scalar) readonly buffer CutCells { GpuCutCell cut_cells[]; };
-layout(binding = 7, scalar) buffer Status { uint status[]; };
+layout(binding = 7, scalar) buffer Status { DomainStatus status; };
 layout(binding = 8, scalar) buffer TileBits { uint tile_bits[]; };
 layout(binding = 9, rgba32f) uniform image3D aperture_x;
 layout(binding = 10, rgba32f) uniform image3D aperture_y;
@@ -82,8 +82,8 @@ void main() {
   if (texel.x < push.cells.x / 4 && texel.y < push.cells.y) fill_texel(texel);
   barrier();
   if (gl_LocalInvocationIndex == 0u) {
-    atomicAdd(status[3], inner);
-    atomicAdd(status[4], overlaps);
-    atomicAdd(status[7], inverted);
+    atomicAdd(status.inner_cells, inner);
+    atomicAdd(status.overlapping_texels, overlaps);
+    atomicAdd(status.inverted_texels, inverted);
   }
 }
