@@ -249,6 +249,7 @@ class DomainBuild {
                        {"cut_bits", cuts_.bits},
                        {"cut_before", cuts_.before},
                        {"gifts", gifts_},
+                       {"faces", faces_},
                        {"cut_cells", out_.cut_cells},
                        {"status", status_},
                        {"tile_bits", tiles_.bits},
