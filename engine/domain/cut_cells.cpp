@@ -10,7 +10,7 @@ namespace {
 constexpr double face_snap = 1e-5;     // h^2: apertures nearer than this to 0 or 1 are 0 or 1
 constexpr double least_volume = 1e-6;  // h^3: of a cell that holds surface
 constexpr double least_facet = 1e-7;   // h^2: smaller facets are dropped
-constexpr double least_sheet = 0.02;   // h^2: smaller sheets make no slit
+constexpr double least_sheet = 2e-4;   // h^2: smaller sheets make no slit
 
 /// Integrals over pieces of the surface in one cell; x is the position from the cell's low corner, A = n dA.
 struct Sums {
@@ -227,6 +227,7 @@ class Cutter {
       if (gift.axis >= 0) gifts.push_back({at, gift});
     }
     out_.slit_cells = int(gifts.size());
+    std::vector<FaceOf> closed = faces_between_pieces(gifts);
     for (auto& [at, gift] : gifts) {
       std::size_t to = gift.direction > 0 ? at + stride_[gift.axis] : at - stride_[gift.axis];
       if (slot_[to] < 0) {
@@ -251,7 +252,41 @@ class Cutter {
       out_.aperture[gift.axis][face] -= gift.area;
       moment_[gift.axis][face] -= sign * given.M[gift.axis];
     }
+    for (const FaceOf& f : closed) out_.aperture[f.axis][f.upper] = 0, moment_[f.axis][f.upper] = glm::dvec3(0);
   }
+
+  struct FaceOf {
+    int axis;
+    std::size_t upper;  // the cell whose low face it is
+  };
+
+  /// Faces that would join the pieces on the two sides of a slit: a giver keeps one piece, and
+  /// - two givers that keep opposite pieces are not joined,
+  /// - nor is a giver joined to another cell through a face that lies on the side of the piece given away.
+  std::vector<FaceOf> faces_between_pieces(const std::vector<std::pair<std::size_t, Gift>>& gifts) const {
+    std::vector<FaceOf> closed;
+    std::vector<int> given(sums_.size(), -1);  // class that a slot gives
+    for (const auto& [at, gift] : gifts) given[slot_[at]] = gift.facet_class;
+    for (const auto& [at, gift] : gifts) {
+      const Sums &gone = sums_[slot_[at]][gift.facet_class], &kept = sums_[slot_[at]][gift.facet_class ^ 1];
+      for (int face = 0; face < 6; ++face) {
+        int axis = face / 2, up = face % 2;
+        std::size_t upper = up ? at + stride_[axis] : at, other = up ? upper : at - stride_[axis];
+        int other_given = slot_[other] < 0 || slot_[other] >= int(sums_.size()) ? -1 : given[slot_[other]];
+        if (other_given >= 0) {
+          if (glm::dot(kept.A, sums_[slot_[other]][other_given ^ 1].A) < 0) closed.push_back({axis, upper});
+          continue;
+        }
+        double a = out_.aperture[axis][upper];
+        glm::dvec3 c = a < face_snap ? glm::dvec3(0.5) : moment_[axis][upper] / a;
+        c[axis] = up;
+        if (behind(c, gone) && !behind(c, kept)) closed.push_back({axis, upper});
+      }
+    }
+    return closed;
+  }
+
+  static bool behind(glm::dvec3 x, const Sums& sheet) { return glm::dot(x - sheet.X / sheet.S, sheet.A) < 0; }
 
   static void add(Sums& s, const Sums& o) { combine(s, o, 1); }
   static void subtract(Sums& s, const Sums& o) { combine(s, o, -1); }

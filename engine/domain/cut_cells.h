@@ -6,14 +6,14 @@
 //   closed surface of the cell's solid part  a_i(high) = a_i(low) - integral n_i dA    apertures: prefix sums along i
 //   div (x_i e_i) = 1                        V = a_i(high) + integral n_i x_i dA
 //   div (x_i^2/2 e_i) = x_i                  V c_i = a_i(high)/2 + integral n_i x_i^2/2 dA
-//   closed surface, weighted by x_j          m_ij(high) = m_ij(low) - integral n_i x_j dA   first moments of wetted
-//   faces
+//   closed surface, weighted by x_j          m_ij(high) = m_ij(low) - integral n_i x_j dA   wetted faces' moments
 // A piece that lies in a grid plane belongs to the cell on its inner side.
 //
 // Two sheets with a gap between them in one cell (a slit thinner than a cell) would join the solids on both sides.
-// There the sheet of the smaller piece, and with it that piece's volume, is given to the neighbour across the face
-// behind it, along the axis nearest to the sheets' normals; the aperture of that face loses what the sheets cover. Such
-// a neighbour's volume fraction may exceed 1. A plate thinner than a cell (the solid between the sheets) needs no care.
+// There the smaller piece, with its sheet, is given to the neighbour behind it along the axis nearest to the sheets'
+// normals, and the faces that would join the two solids are closed (faces_between_pieces() in the .cpp). A taker's
+// volume may exceed 1. Volume and area are kept; conduction along the slit, within a cell of it, is not exact. A plate
+// thinner than a cell (the solid between the sheets) needs no care.
 #pragma once
 
 #include <array>

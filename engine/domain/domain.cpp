@@ -23,11 +23,6 @@ struct Total {
   glm::vec3 area_vector;
 };
 
-struct Status {  // counters of the passes
-  std::uint32_t closure, slit_cells, crumpled_cells, inner_cells, overlapping_texels, pairs, pairs_listed,
-      inverted_texels;
-};
-
 /// A triangle's bounding box, cut into runs of cells that one thread can walk.
 std::vector<Item> make_items(const std::vector<glm::vec3>& positions, const std::vector<glm::uvec3>& triangles) {
   std::vector<Item> items;
@@ -75,8 +70,9 @@ class DomainBuild {
         cell_count_(std::size_t(frame.cells.x) * frame.cells.y * frame.cells.z),
         candidates_(context_, cell_count_),
         cuts_(context_, cell_count_),
+        slits_(context_, cell_count_ / 4),
         tiles_(context_, std::size_t(tile_counts(frame).x) * tile_counts(frame).y * frame.cells.z),
-        status_(context_, sizeof(Status), "domain status") {
+        status_(context_, sizeof(DomainStatus), "domain status") {
     out_.frame = frame;
     std::vector<glm::vec3> positions = grid_positions(mesh, frame);
     std::vector<Item> items = make_items(positions, mesh.triangles);
@@ -107,13 +103,13 @@ class DomainBuild {
   }
   std::uint32_t total(const BitSet& set) const { return gpu::download<std::uint32_t>(context_, set.total)[0]; }
 
-  Status read_status() const { return gpu::download<Status>(context_, status_)[0]; }
+  DomainStatus read_status() const { return gpu::download<DomainStatus>(context_, status_)[0]; }
 
   void find_candidates() {
     gpu::Commands commands(context_);
     {
       auto timer = commands.time("domain/mark");
-      for (const BitSet* set : {&candidates_, &cuts_, &tiles_}) commands.fill(set->bits);
+      for (const BitSet* set : {&candidates_, &cuts_, &slits_, &tiles_}) commands.fill(set->bits);
       commands.fill(status_);
       commands.barrier();
       commands.dispatch(maker_.mark_, {item_count_, 1, 1},
@@ -178,10 +174,12 @@ class DomainBuild {
                          {"list", candidate_list},
                          {"gifts", gifts_},
                          {"cut_bits", cuts_.bits},
+                         {"slit_bits", slits_.bits},
                          {"status", status_},
                          {"faces", faces_}},
                         push(candidate_count_));
       scan(commands, cuts_);
+      scan(commands, slits_);
     }
     {
       auto timer = commands.time("domain/sweep");
@@ -191,7 +189,7 @@ class DomainBuild {
     }
     commands.submit();
     out_.summary.cut_cells = total(cuts_);
-    parted_ = read_status().slit_cells > 0;
+    slit_texels_ = total(slits_);
   }
 
   void sweep(gpu::Commands& commands, int axis, glm::ivec3 texels) const {
@@ -216,6 +214,7 @@ class DomainBuild {
     out_.tiles = gpu::Buffer(context_, tiles_.words * std::size_t(128), "domain tiles");
     totals_ = scratch(context_, (count + std::size_t(63)) / 64 * sizeof(Total), "domain totals");
     gpu::Buffer cut_list = scratch(context_, count * std::size_t(4), "domain cut list");
+    gpu::Buffer slit_list = scratch(context_, slit_texels_ * std::size_t(4), "domain slit texels");
     gpu::Buffer plain = gpu::make_buffer(context_, std::vector<GpuCutCell>{plain_cell()}, "domain plain cell");
 
     gpu::Commands commands(context_);
@@ -223,7 +222,7 @@ class DomainBuild {
       auto timer = commands.time("domain/finish");
       commands.copy(plain, out_.cut_cells, sizeof(GpuCutCell));
       list(commands, cuts_, cut_list);
-      commands.dispatch(parted_ ? maker_.finish_parted_ : maker_.finish_, {count, 1, 1},
+      commands.dispatch(slit_texels_ > 0 ? maker_.finish_parted_ : maker_.finish_, {count, 1, 1},
                         {{"bits", candidates_.bits},
                          {"before", candidates_.before},
                          {"sums", sums_},
@@ -238,6 +237,7 @@ class DomainBuild {
     {
       auto timer = commands.time("domain/dense");
       fill_dense(commands, texels);
+      if (slit_texels_ > 0) part(commands, slit_list, slit_texels_);
       scan(commands, tiles_);
       list(commands, tiles_, out_.tiles);
     }
@@ -246,14 +246,25 @@ class DomainBuild {
     out_.tile_arguments = std::move(tiles_.total);
   }
 
-  void fill_dense(gpu::Commands& commands, glm::ivec3 texels) const {
-    commands.dispatch(parted_ ? maker_.dense_parted_ : maker_.dense_, glm::uvec3(texels),
+  void part(gpu::Commands& commands, const gpu::Buffer& texels, std::uint32_t count) const {
+    list(commands, slits_, texels);
+    commands.dispatch(maker_.part_, {count, 1, 1},
                       {{"bits", candidates_.bits},
                        {"before", candidates_.before},
                        {"sums", sums_},
-                       {"cut_bits", cuts_.bits},
-                       {"cut_before", cuts_.before},
+                       {"list", texels},
                        {"gifts", gifts_},
+                       {"faces", faces_},
+                       {"aperture_x", out_.aperture[0]},
+                       {"aperture_y", out_.aperture[1]},
+                       {"aperture_z", out_.aperture[2]}},
+                      push(count));
+  }
+
+  void fill_dense(gpu::Commands& commands, glm::ivec3 texels) const {
+    commands.dispatch(maker_.dense_, glm::uvec3(texels),
+                      {{"cut_bits", cuts_.bits},
+                       {"cut_before", cuts_.before},
                        {"cut_cells", out_.cut_cells},
                        {"status", status_},
                        {"tile_bits", tiles_.bits},
@@ -278,7 +289,7 @@ class DomainBuild {
 
   void summarise() {
     DomainSummary& s = out_.summary;
-    Status status = read_status();
+    DomainStatus status = read_status();
     double h = out_.frame.h;
     s.inner_cells = status.inner_cells;
     s.slit_cells = status.slit_cells;
@@ -295,7 +306,7 @@ class DomainBuild {
     judge(status);
   }
 
-  void judge(const Status& status) {
+  void judge(const DomainStatus& status) {
     const DomainSummary& s = out_.summary;
     if (status.crumpled_cells > 0) {
       throw UserError(
@@ -319,9 +330,8 @@ class DomainBuild {
   gpu::Context& context_;
   Domain out_;
   std::size_t cell_count_;
-  std::uint32_t item_count_ = 0, pair_count_ = 0, candidate_count_ = 0;
-  bool parted_ = false;
-  BitSet candidates_, cuts_, tiles_;
+  std::uint32_t item_count_ = 0, pair_count_ = 0, candidate_count_ = 0, slit_texels_ = 0;
+  BitSet candidates_, cuts_, slits_, tiles_;
   gpu::Buffer status_, positions_, triangles_, items_, sums_, faces_, gifts_, totals_;
 };
 
@@ -337,10 +347,10 @@ DomainMaker::DomainMaker(gpu::Context& context)
       sweep_y_(context, "domain/sweep.comp", {1}),
       sweep_z_(context, "domain/sweep.comp", {2}),
       finish_(context, "domain/finish.comp", {0}),
-      dense_(context, "domain/dense.comp", {0}),
-      totals_(context, "domain/totals.comp"),
       finish_parted_(context, "domain/finish.comp", {1}),
-      dense_parted_(context, "domain/dense.comp", {1}) {}
+      part_(context, "domain/part.comp"),
+      dense_(context, "domain/dense.comp"),
+      totals_(context, "domain/totals.comp") {}
 
 Domain DomainMaker::make(const Mesh& mesh, const GridFrame& frame) const {
   if (mesh.triangles.empty()) throw UserError("mesh: it has no triangles");

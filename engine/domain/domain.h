@@ -53,8 +53,8 @@ class DomainMaker {
  private:
   friend class DomainBuild;
   gpu::Context& context_;
-  gpu::Pass mark_, scan_, list_, pair_, accumulate_, candidate_, sweep_x_, sweep_y_, sweep_z_, finish_, dense_, totals_;
-  gpu::Pass finish_parted_, dense_parted_;  // with slits
+  gpu::Pass mark_, scan_, list_, pair_, accumulate_, candidate_, sweep_x_, sweep_y_, sweep_z_, finish_, finish_parted_,
+      part_, dense_, totals_;
 };
 
 /// One domain, for callers that make no second.

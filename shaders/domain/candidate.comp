@@ -10,8 +10,19 @@ layout(push_constant, scalar) uniform Push { DomainPush push; };
 layout(binding = 3, scalar) readonly buffer List { uint list[]; };
 layout(binding = 4, scalar) writeonly buffer Gifts { uint gifts[]; };
 layout(binding = 5, scalar) buffer CutBits { uint cut_bits[]; };
-layout(binding = 6, scalar) buffer Status { uint status[]; };
+layout(binding = 6, scalar) buffer Status { DomainStatus status; };
 layout(binding = 7, scalar) writeonly buffer Faces { ivec4 faces[]; };  // by axis: integral n_axis (1, x) dA
+
+layout(binding = 8, scalar) buffer SlitBits { uint slit_bits[]; };  // by texel: it has faces of a cell that gives
+
+void mark_faces(ivec3 cell) {  // its low ones and, through its upper neighbours, its high ones
+  for (int i = -1; i < 3; ++i) {
+    ivec3 owner = cell;
+    if (i >= 0) owner[i] += 1;
+    uint texel = cell_index(owner, push.cells) / 4u;
+    atomicOr(slit_bits[texel >> 5], 1u << (texel & 31u));
+  }
+}
 
 void mark(uint c) { atomicOr(cut_bits[c >> 5], 1u << (c & 31u)); }
 
@@ -54,14 +65,15 @@ void main() {
     overflow = overflow || part < -1.0 || part > 100.0;
     S += part;
   }
-  if (overflow) atomicAdd(status[2], 1u);
+  if (overflow) atomicAdd(status.crumpled_cells, 1u);
   uint gift = S < least_facet ? 0u : find_gift(rank);
   gifts[rank] = gift;
   if (S < least_facet) return;
   mark(list[rank]);
   if (gift == 0u) return;
-  atomicAdd(status[1], 1u);
+  atomicAdd(status.slit_cells, 1u);
   ivec3 taker = cell_at(list[rank], push.cells);
+  mark_faces(taker);
   taker[(gift - 1u) / 2u] += (gift - 1u) % 2u == 1u ? 1 : -1;
   mark(cell_index(taker, push.cells));
 }

@@ -7,7 +7,7 @@
 layout(local_size_x = 64) in;
 layout(push_constant, scalar) uniform Push { DomainPush push; };
 layout(binding = 3, scalar) buffer Bits { uint bits[]; };
-layout(binding = 4, scalar) buffer Status { uint status[]; };
+layout(binding = 4, scalar) buffer Status { DomainStatus status; };
 
 void main() {
   uint thread = gl_GlobalInvocationID.x;
@@ -23,5 +23,5 @@ void main() {
     atomicOr(bits[c >> 5], 1u << (c & 31u));
     ++met;
   }
-  atomicAdd(status[5], met);
+  atomicAdd(status.pairs, met);
 }

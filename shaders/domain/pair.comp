@@ -8,7 +8,7 @@
 layout(local_size_x = 64) in;
 layout(push_constant, scalar) uniform Push { DomainPush push; };
 layout(binding = 3, scalar) writeonly buffer Pairs { uvec2 pairs[]; };  // triangle, cell
-layout(binding = 4, scalar) buffer Status { uint status[]; };
+layout(binding = 4, scalar) buffer Status { DomainStatus status; };
 
 void main() {
   uint thread = gl_GlobalInvocationID.x;
@@ -18,7 +18,7 @@ void main() {
   uint end = min(item.first + cells_an_item, uint(t.size.x * t.size.y * t.size.z));
   uint met = 0u;
   for (uint n = item.first; n < end; ++n) met += plane_meets(t, box_cell(t, n)) ? 1u : 0u;
-  uint at = atomicAdd(status[6], met);
+  uint at = atomicAdd(status.pairs_listed, met);
   for (uint n = item.first; n < end; ++n) {
     ivec3 cell = box_cell(t, n);
     if (plane_meets(t, cell)) pairs[at++] = uvec2(item.triangle, cell_index(cell, push.cells));

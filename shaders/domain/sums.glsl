@@ -13,7 +13,7 @@ const int sum_count = 19;
 const float face_snap = 1e-5;     // h^2: apertures nearer than this to 0 or 1 are 0 or 1
 const float least_volume = 1e-6;  // h^3: of a cell that holds surface
 const float least_facet = 1e-7;   // h^2: smaller facets are dropped
-const float least_sheet = 0.02;   // h^2: smaller sheets make no slit
+const float least_sheet = 2e-4;   // h^2: smaller sheets make no slit
 
 uint cell_index(ivec3 cell, ivec3 cells) { return uint(cell.x + cells.x * (cell.y + cells.y * cell.z)); }
 ivec3 cell_at(uint index, ivec3 cells) {

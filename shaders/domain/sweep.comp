@@ -11,7 +11,7 @@ layout(binding = 0, scalar) readonly buffer Bits { uint bits[]; };
 layout(binding = 1, scalar) readonly buffer Before { uint before[]; };
 // By candidate and axis; in: integral n_axis (1, x) dA, out: aperture and first moments of the low face.
 layout(binding = 2, scalar) buffer Faces { ivec4 faces[]; };
-layout(binding = 3, scalar) buffer Status { uint status[]; };
+layout(binding = 3, scalar) buffer Status { DomainStatus status; };
 layout(binding = 4, rgba32f) uniform writeonly image3D aperture;
 
 void main() {
@@ -40,5 +40,5 @@ void main() {
   }
   int left = 0;
   for (int k = 0; k < (axis == 0 ? 1 : 4); ++k) left = max(left, abs(running[k].x));
-  atomicMax(status[0], uint(left));
+  atomicMax(status.closure, uint(left));
 }

@@ -21,12 +21,23 @@ struct GpuCutCell {
   vec3 centre;                 // h, of the solid part
   GpuFacet facet;              // all of the surface in the cell
   GpuFacet side[2];            // the same, parted: normals mainly up an axis, mainly down one
-  vec3 low_face_centre[3];   // h, of the wetted part of the faces towards lower x, y, z
+  vec3 low_face_centre[3];     // h, of the wetted part of the faces towards lower x, y, z
 };
 
 // Active tiles: boxes of cells, numbered x fastest, then y, then z.
 const int tile_size_x = 32;  // cells
 const int tile_size_y = 16;
+
+// Counters of the passes.
+struct DomainStatus {
+  uint closure;            // 2^-24 h^2: largest aperture left at the far end of a row
+  uint slit_cells;
+  uint crumpled_cells;     // with more surface than the sums hold
+  uint inner_cells;
+  uint overlapping_texels;  // with an aperture above 1
+  uint inverted_texels;     // with one below 0
+  uint pairs, pairs_listed;  // of a triangle and a cell
+};
 
 struct DomainPush {
   ivec3 cells;

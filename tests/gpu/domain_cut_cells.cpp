@@ -62,6 +62,10 @@ class DomainTest : public GpuTest {
       const CutCell* b = twin.cut_index[at] < 0 ? nullptr : &twin.cut_cells[twin.cut_index[at]];
       if (index[at] != 0 && b) {
         compare_cell(cuts[index[at]], *b, d);
+        for (int i = 0; i < 3; ++i) {
+          raise(d.face_centroid,
+                twin.aperture[i][at] * gap(cuts[index[at]].low_face_centre[i], b->low_face_centroid[i]));
+        }
       } else if (b) {
         raise(d.area, b->facet.area);  // it may only miss slivers
       } else if (index[at] != 0) {
@@ -91,7 +95,8 @@ class DomainTest : public GpuTest {
     Differences d = compare(domain, twin);
     EXPECT_LT(d.worst(), tolerance) << what << ": volume " << d.volume << ", aperture " << d.aperture << ", area "
                                     << d.area << ", centroid " << d.centroid << ", facet centroid " << d.facet_centroid
-                                    << ", distance " << d.distance << ", side " << d.side;
+                                    << ", distance " << d.distance << ", face centroid " << d.face_centroid << ", side "
+                                    << d.side;
     const DomainSummary& s = domain.summary;
     EXPECT_EQ(s.inner_cells, twin.inner_cells()) << what;
     EXPECT_EQ(s.slit_cells, static_cast<std::uint32_t>(twin.slit_cells)) << what;
@@ -170,6 +175,17 @@ TEST_F(DomainTest, SlitsArePartedAsInTheTwin) {
       auto index = [](glm::ivec3 c) { return c.x + 12 * (c.y + 12 * c.z); };
       EXPECT_EQ(std::min(open[index(face)], open[index(lower)]), 0);
     }
+  }
+}
+
+TEST_F(DomainTest, TiltedSlitsArePartedAsInTheTwin) {
+  for (double angle : {5.0, 28.0, 44.0}) {
+    glm::dmat4 turn = translation({18.13, 18.37, 18.21}) * rotation({0.2, 0.3, 1}, angle);
+    auto block = [&](double from, double to) {
+      return transformed(box({to - from, 14, 14}), turn * translation({0.5 * (from + to), 0, 0}));
+    };
+    Domain domain = expect_twin(joined(block(-8, -0.15), block(0.15, 8)), unit_frame({36, 36, 36}), "tilted slit");
+    EXPECT_GT(domain.summary.slit_cells, 150u);
   }
 }
 

@@ -182,6 +182,63 @@ TEST(CutCells, SlitThinnerThanACellDoesNotLeak) {
   }
 }
 
+/// Steady conduction (unit conductance a face) from the cells more than 5 cells to the left of the plane through the
+/// grid's middle with normal n, to those as far to its right: what flows, by overrelaxed Gauss-Seidel.
+double conducted(const CutCells& cuts, glm::dvec3 n) {
+  glm::ivec3 cells = cuts.frame.cells;
+  std::vector<double> phi(cuts.volume.size(), 0.5);
+  std::vector<char> held(phi.size(), 0);
+  for (std::size_t at = 0; at < phi.size(); ++at) {
+    glm::dvec3 cell(at % cells.x, at / cells.x % cells.y, at / (cells.x * cells.y));
+    double side = glm::dot(cell + 0.5 - 0.5 * glm::dvec3(cells), n);
+    held[at] = std::abs(side) > 5 || cuts.volume[at] <= 0;
+    if (std::abs(side) > 5) phi[at] = side < 0 ? 1 : 0;
+  }
+  const std::size_t stride[] = {1, std::size_t(cells.x), std::size_t(cells.x) * cells.y};
+  auto inflow = [&](std::size_t at, double& open) {
+    double flow = open = 0;
+    for (int i = 0; i < 3; ++i) {
+      double low = cuts.aperture[i][at], high = cuts.aperture[i][at + stride[i]];
+      open += low + high;
+      flow += (low > 0 ? low * phi[at - stride[i]] : 0) + (high > 0 ? high * phi[at + stride[i]] : 0);
+    }
+    return flow - open * phi[at];
+  };
+  double open = 0;
+  for (int sweep = 0; sweep < 300; ++sweep) {
+    for (std::size_t at = 0; at < phi.size(); ++at) {
+      if (held[at]) continue;
+      double flow = inflow(at, open);
+      if (open > 0) phi[at] += 1.7 * flow / open;
+    }
+  }
+  double sum = 0;
+  for (std::size_t at = 0; at < phi.size(); ++at) {
+    if (held[at] && cuts.volume[at] > 0 && phi[at] == 1) sum -= inflow(at, open);
+  }
+  return sum;
+}
+
+TEST(CutCells, TiltedSlitThinnerThanACellConductsNothing) {
+  for (double angle : {3.0, 15.0, 30.0, 45.0}) {
+    for (double gap : {0.1, 0.3, 0.8}) {
+      glm::dmat4 turn = translation({18.13, 18.37, 18.21}) * rotation({0, 0.3, 1}, angle);
+      auto block = [&](double from, double to) {
+        return transformed(box({to - from, 14, 14}), turn * translation({0.5 * (from + to), 0, 0}));
+      };
+      Mesh slit = joined(block(-8, -gap / 2), block(gap / 2, 8));
+      CutCells cuts = cut_cells(slit, unit_frame({36, 36, 36}));
+      EXPECT_NEAR(cuts.total_volume() / signed_volume(slit), 1, 1e-5);
+      EXPECT_NEAR(cuts.total_area() / area(slit), 1, 1e-5);
+      EXPECT_GT(cuts.slit_cells, 20);
+      glm::dvec3 n(turn * glm::dvec4(1, 0, 0, 0));
+      double whole = conducted(cut_cells(block(-8, 8), unit_frame({36, 36, 36})), n);
+      EXPECT_GT(whole, 10);
+      EXPECT_LT(conducted(cuts, n) / whole, 1e-3) << angle << " degrees, gap " << gap;
+    }
+  }
+}
+
 TEST(CutCells, OpenMeshIsSeen) {
   Mesh mesh = icosphere(3, 1);
   mesh.triangles.pop_back();
