@@ -55,7 +55,9 @@ inline glm::vec3 around(glm::vec3 axis, float c, float u) {
 /// Henyey-Greenstein phase function of the cosine between the directions before and after, 1/sr; its integral over the
 /// sphere is 1.
 inline float phase_value(float g, float cosine) {
-  const float d = std::max(1.0f + g * g - 2.0f * g * cosine, 1e-12f);
+  // 1 + g^2 - 2 g cosine without its cancellation at the peak
+  const float d =
+      (1.0f - std::abs(g)) * (1.0f - std::abs(g)) + 2.0f * std::abs(g) * (1.0f - std::copysign(1.0f, g) * cosine);
   return (1.0f - g * g) / (4.0f * pi * d * std::sqrt(d));
 }
 

@@ -49,7 +49,9 @@ void World::accept_or_reject(const RTCFilterFunctionNArguments* call) {
   const auto* hit = reinterpret_cast<const RTCHit*>(call->hit);
   const Body& body = query->world->bodies_[hit->geomID];
   if (body.role != Role::translucent) {
-    if (hit->geomID == query->leaving.object && hit->primID == query->leaving.triangle) call->valid[0] = 0;
+    // Also what lies in the nudge before the start: the neighbour across an edge.
+    const bool same_face = hit->primID == query->leaving.triangle || ray->tfar < 4 * query->world->nudge_;
+    if (hit->geomID == query->leaving.object && same_face) call->valid[0] = 0;
     return;
   }
   const glm::vec3 n = query->world->shapes_[hit->geomID].normals[hit->primID];
