@@ -1,5 +1,6 @@
 #include "arguments.h"
 
+#include <fcntl.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -34,7 +35,12 @@ void check_writable(const std::string& path) {
   const fs::path folder = fs::path(path).has_parent_path() ? fs::path(path).parent_path() : fs::path(".");
   if (!fs::is_directory(folder)) throw UserError(path + ": its folder " + folder.string() + " does not exist; make it first");
   if (fs::is_directory(path)) throw UserError(path + ": is a folder; name a file in it");
-  if (access(folder.c_str(), W_OK) != 0) throw UserError(path + ": cannot be written (" + std::strerror(errno) + "); choose another place");
+  // Tried, not asked: for root every folder claims to be writable.
+  const std::string probe = path + ".probe-" + std::to_string(getpid());
+  const int file = open(probe.c_str(), O_CREAT | O_EXCL | O_WRONLY, 0600);
+  if (file < 0) throw UserError(path + ": cannot be written (" + std::strerror(errno) + "); choose another place");
+  close(file);
+  unlink(probe.c_str());
 }
 
 void print_warnings(const Scene& scene) {

@@ -2,6 +2,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "arguments.h"
 #include "commands.h"
 #include "compare/compare.h"
 #include "image/whole_file.h"
@@ -18,7 +19,10 @@ void run(const Arguments& a) {
   CompareOptions options = a.options;
   options.test_name = a.test;
   options.reference_name = a.reference;
-  const Comparison result = compare(read_exr(a.test), read_exr(a.reference), options);
+  for (const std::string& path : {a.sheet, a.json})
+    if (!path.empty()) check_writable(path);
+  const Picture test = read_exr(a.test), reference = read_exr(a.reference);
+  const Comparison result = compare(test, reference, options);
   std::printf("%zu pixels, layer %s: relative RMSE %.2f %%, bias %+.2f %%, PSNR %.1f dB, 95th percentile %.2f %%, worst %.1f %% at (%d, %d)\n",
               result.pixels, options.layer.c_str(), 100 * result.all.relative_rmse, 100 * result.all.bias, result.all.psnr,
               100 * result.all.percentile95, 100 * result.all.worst, result.all.worst_x, result.all.worst_y);
