@@ -27,7 +27,8 @@ CameraRays camera_rays(const Camera& camera, const Frame& frame) {
   const float aspect = static_cast<float>(frame.size.x) / static_cast<float>(frame.size.y);
   const glm::mat4& m = camera.to_world;
   const auto axis = [&](int i) { return glm::normalize(glm::vec3(m[i])); };
-  return {glm::vec3(m[3]), axis(0) * (tangent * aspect),   axis(1) * -tangent, -axis(2),
+  return {glm::vec3(m[3]),        axis(0) * (tangent * aspect),
+          axis(1) * -tangent,     -axis(2),
           glm::uvec2(frame.size), static_cast<std::uint32_t>(std::lround(std::sqrt(frame.samples)))};
 }
 
@@ -156,7 +157,8 @@ ShadedPicture planes(gpu::Context& context, const Sums& sums, glm::ivec2 size) {
     translucent += multiple[i].a > 0;
     result.negative_pixels += surface[i].a > 0;
   }
-  if (translucent) result.negative_share = static_cast<double>(result.negative_pixels) / static_cast<double>(translucent);
+  if (translucent)
+    result.negative_share = static_cast<double>(result.negative_pixels) / static_cast<double>(translucent);
   return result;
 }
 
