@@ -135,8 +135,8 @@ class ShadingPicture : public GpuTest {
     EXPECT_LE(edges, 5);
     EXPECT_LT(off, 0.03 * pixels);
     RecordProperty("pixels_off", static_cast<int>(off));
-    EXPECT_GT(negative, 50);
-    EXPECT_NEAR(static_cast<double>(shaded.negative_pixels), negative, 0.05 * negative);
+    EXPECT_GT(negative, 8);
+    EXPECT_NEAR(static_cast<double>(shaded.negative_pixels), negative, 2);
     EXPECT_NEAR(shaded.negative_share, negative / translucent, 0.05);
   }
 
