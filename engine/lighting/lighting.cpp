@@ -30,8 +30,8 @@ gpu::Image depth_maps(gpu::Context& context, int size, std::size_t layers) {
   spec.size = {size, size, 1};
   spec.format = VK_FORMAT_D32_SFLOAT;
   spec.type = VK_IMAGE_TYPE_2D;
-  spec.usage = VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT | VK_IMAGE_USAGE_SAMPLED_BIT |
-               VK_IMAGE_USAGE_TRANSFER_SRC_BIT;
+  spec.usage =
+      VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT | VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT;
   spec.layers = static_cast<std::uint32_t>(std::max<std::size_t>(layers, 2));  // one layer would not be an array
   if (spec.layers > context.limits().maxImageArrayLayers)
     throw gpu::DeviceError("shadow maps: " + std::to_string(spec.layers) + " where " + context.info().name +
@@ -78,10 +78,9 @@ void Lighting::make_views(const Scene& scene, const LightSettings& settings) {
     points.push_back({sample.position, sample.normal, sample.intensity, first,
                       static_cast<std::uint32_t>(views.size()) - first, sample.two_sided});
   }
-  const LightingHeader header{static_cast<std::uint32_t>(points.size()),
-                              static_cast<std::uint32_t>(samples_.directions.size()),
-                              static_cast<std::uint32_t>(views.size()), static_cast<float>(settings.map_size),
-                              samples_.environment};
+  const LightingHeader header{
+      static_cast<std::uint32_t>(points.size()), static_cast<std::uint32_t>(samples_.directions.size()),
+      static_cast<std::uint32_t>(views.size()), static_cast<float>(settings.map_size), samples_.environment};
   for (const glm::vec3& direction : samples_.directions)
     add(direction_view(direction, focus, everything, settings.map_size), -1);
 

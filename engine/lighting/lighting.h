@@ -17,16 +17,16 @@ struct LightSettings {
 /// The lights of one scene. Use: make it, record the shadow maps, then gather or shade as often as wanted.
 class Lighting {
  public:
-  /// Samples the lights and uploads them. Throws UserError for settings out of range, gpu::DeviceError where the maps do
-  /// not fit. `meshes` must live as long.
+  /// Samples the lights and uploads them. Throws UserError for settings out of range, gpu::DeviceError where the maps
+  /// do not fit. `meshes` must live as long.
   Lighting(gpu::Context& context, const Scene& scene, const SceneMeshes& meshes, const LightSettings& settings = {});
 
   /// Draws every map (stage "shadow maps").
   void record_shadow_maps(gpu::Commands& commands) const;
 
   /// flux[i] = integral F_t(w) L (n.w) dw at receivers[i], W/m^2 per channel: Gamma_s of the report's Eq. 5 without the
-  /// factor exp(-sigma_a / sigma_s'). `receivers` holds `count` Receiver (shared/lighting.h), `flux` as many vec3. `eta` is
-  /// index inside / outside of their surface; with 1 it is plain irradiance. Stage "gather".
+  /// factor exp(-sigma_a / sigma_s'). `receivers` holds `count` Receiver (shared/lighting.h), `flux` as many vec3.
+  /// `eta` is index inside / outside of their surface; with 1 it is plain irradiance. Stage "gather".
   void record_gather(gpu::Commands& commands, const gpu::Buffer& receivers, std::uint32_t count, double eta,
                      const gpu::Buffer& flux) const;
 

@@ -81,7 +81,8 @@ LightSample sample_point(const Light& light, const Object& object, int i, int n)
 LightSamples sample_lights(const Scene& scene, int samples, int directions) {
   if (samples < 1 || samples > most_samples || directions < 0 || directions > most_samples)
     throw UserError("light samples: " + std::to_string(samples) + " points and " + std::to_string(directions) +
-                    " directions; choose 1 to " + std::to_string(most_samples) + " points and at most as many directions");
+                    " directions; choose 1 to " + std::to_string(most_samples) +
+                    " points and at most as many directions");
   std::vector<Light> lights;
   for (std::size_t i = 0; i < scene.objects.size(); ++i)
     if (scene.objects[i].role == Role::emissive && !scene.objects[i].mesh.triangles.empty()) {

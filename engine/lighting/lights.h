@@ -12,7 +12,7 @@ struct LightSample {
   glm::vec3 normal{0};     // unit, front side
   glm::vec3 intensity{0};  // W/sr along the normal: radiance times the area the sample stands for
   bool two_sided = false;
-  int object = 0;          // index in Scene::objects
+  int object = 0;  // index in Scene::objects
 };
 
 struct LightSamples {

@@ -103,7 +103,9 @@ ShadowView direction_view(glm::vec3 from, const Sphere& focus, const Bounds& sce
     high = std::max(high, depth);
   }
   const double margin = 0.01 * (high - low);
-  const auto row = [&](glm::dvec3 axis, double scale) { return glm::dvec4(axis, -glm::dot(axis, focus.centre)) * scale; };
+  const auto row = [&](glm::dvec3 axis, double scale) {
+    return glm::dvec4(axis, -glm::dot(axis, focus.centre)) * scale;
+  };
   const double scale = 1 / (high - low + 2 * margin);
   glm::dvec4 z = row(axes.forward, scale);
   z.w += (margin - low) * scale;

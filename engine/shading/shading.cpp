@@ -9,7 +9,7 @@
 
 namespace alabaster {
 
-static_assert(sizeof(CameraRays) == 60 && sizeof(PlainObject) == 20 && sizeof(TranslucentPush) == 112);
+static_assert(sizeof(CameraRays) == 60 && sizeof(PlainObject) == 20 && sizeof(TranslucentPush) == 120);
 
 namespace {
 
@@ -27,7 +27,8 @@ CameraRays camera_rays(const Camera& camera, const Frame& frame) {
   const float aspect = static_cast<float>(frame.size.x) / static_cast<float>(frame.size.y);
   const glm::mat4& m = camera.to_world;
   const auto axis = [&](int i) { return glm::normalize(glm::vec3(m[i])); };
-  return {glm::vec3(m[3]), axis(0) * (tangent * aspect),   axis(1) * -tangent, -axis(2),
+  return {glm::vec3(m[3]),        axis(0) * (tangent * aspect),
+          axis(1) * -tangent,     -axis(2),
           glm::uvec2(frame.size), static_cast<std::uint32_t>(std::lround(std::sqrt(frame.samples)))};
 }
 
@@ -60,6 +61,26 @@ gpu::Image image2d(gpu::Context& context, glm::ivec2 size, VkFormat format, cons
   else if (format == id_format)
     spec.usage = VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_SAMPLED_BIT;
   return gpu::Image(context, spec, name);
+}
+
+struct Rectangle {
+  glm::uvec2 low{0}, high{0};  // pixels; high is past the last
+};
+
+/// What of the picture an object may cover: its bounds' corners projected, or all where one is behind the eye.
+Rectangle covered(const Bounds& bounds, const glm::mat4& matrix, glm::uvec2 size) {
+  glm::vec2 low(INFINITY), high(-INFINITY);
+  for (int corner = 0; corner < 8; ++corner) {
+    const glm::vec3 pick(corner & 1, corner >> 1 & 1, corner >> 2 & 1);
+    const glm::vec4 clip = matrix * glm::vec4(glm::mix(bounds.low, bounds.high, pick), 1);
+    if (clip.z <= 0) return {{0, 0}, size};
+    low = glm::min(low, glm::vec2(clip) / clip.w);
+    high = glm::max(high, glm::vec2(clip) / clip.w);
+  }
+  const auto pixel = [&](glm::vec2 p, float margin) {
+    return glm::uvec2(glm::clamp((0.5f * p + 0.5f) * glm::vec2(size) + margin, glm::vec2(0), glm::vec2(size)));
+  };
+  return {pixel(low, -1), pixel(high, 2)};
 }
 
 /// The images that shading/visible.glsl adds up in.
@@ -156,7 +177,8 @@ ShadedPicture planes(gpu::Context& context, const Sums& sums, glm::ivec2 size) {
     translucent += multiple[i].a > 0;
     result.negative_pixels += surface[i].a > 0;
   }
-  if (translucent) result.negative_share = static_cast<double>(result.negative_pixels) / static_cast<double>(translucent);
+  if (translucent)
+    result.negative_share = static_cast<double>(result.negative_pixels) / static_cast<double>(translucent);
   return result;
 }
 
@@ -174,6 +196,7 @@ ShadedPicture Shading::shade(const Input& input) const {
   check_frame(input.frame);
   const glm::ivec2 size = input.frame.size;
   const CameraRays rays = camera_rays(input.camera, input.frame);
+  const glm::mat4 matrix = to_clip(rays, input.meshes);
   const glm::ivec2 fine = size * static_cast<int>(rays.edge);
   const gpu::Image ids = image2d(context_, fine, id_format, "visible");
   const gpu::Image depth = image2d(context_, fine, VK_FORMAT_D32_SFLOAT, "depth");
@@ -185,8 +208,7 @@ ShadedPicture Shading::shade(const Input& input) const {
   gpu::Commands commands(context_);
   {
     const auto timer = commands.time("visibility");
-    commands.begin_rendering({size * static_cast<int>(rays.edge), {{&ids}}, &depth});
-    const glm::mat4 matrix = to_clip(rays, input.meshes);
+    commands.begin_rendering({fine, {{&ids}}, &depth});
     for (std::size_t i = 0; i < input.meshes.ranges.size(); ++i)
       if (input.meshes.ranges[i].count)
         commands.draw(visibility_, {}, input.meshes.geometry(i), VisibilityPush{matrix, input.meshes.ranges[i].first});
@@ -202,20 +224,23 @@ ShadedPicture Shading::shade(const Input& input) const {
                                              {"gamma_s", sums.gamma_s},
                                              {"normals", sums.normals}})
     shared.push_back(b);
-  const glm::uvec3 threads = {rays.size, 1};
   {
     const auto timer = commands.time("plain");
     gpu::Bindings bindings = shared;
     bindings.push_back({"objects", objects});
     bindings.push_back({"triangle_objects", triangle_objects});
-    commands.dispatch(plain_, threads, bindings, rays);
+    commands.dispatch(plain_, {rays.size, 1}, bindings, rays);
   }
   for (const TranslucentSurface& surface : input.surfaces) {
     const auto timer = commands.time("translucent");
     gpu::Bindings bindings = shared;
     bindings.push_back({"phi", *surface.fluence, linear_});
     bindings.push_back({"reduced", *surface.reduced_intensity, linear_});
-    commands.dispatch(translucent_, threads, bindings, translucent_push(input, surface, rays));
+    const Rectangle rectangle = covered(input.meshes.ranges[surface.object].bounds, matrix, rays.size);
+    if (rectangle.low.x >= rectangle.high.x || rectangle.low.y >= rectangle.high.y) continue;
+    TranslucentPush push = translucent_push(input, surface, rays);
+    push.corner = rectangle.low;
+    commands.dispatch(translucent_, {rectangle.high - rectangle.low, 1}, bindings, push);
   }
   commands.submit();
   return planes(context_, sums, size);

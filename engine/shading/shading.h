@@ -14,10 +14,10 @@ enum class Exit { report, as_printed };  // radiance leaves with F_t / eta^2, or
 
 /// What the solver knows of one translucent object.
 struct TranslucentSurface {
-  int object = 0;                                // index in Scene::objects
-  const gpu::Image* fluence = nullptr;           // 3D rgba: phi on the surface in rgb, W/m^2, sampled trilinearly
+  int object = 0;                                 // index in Scene::objects
+  const gpu::Image* fluence = nullptr;            // 3D rgba: phi on the surface in rgb, W/m^2, sampled trilinearly
   const gpu::Image* reduced_intensity = nullptr;  // 3D rgba: exp(-sigma_a / sigma_s') in rgb; one texel for a constant
-  GridFrame frame;                               // of `fluence`; texel (i, j, k) is at origin + h (i + 0.5, ...)
+  GridFrame frame;                                // of `fluence`; texel (i, j, k) is at origin + h (i + 0.5, ...)
 };
 
 struct Frame {
@@ -27,10 +27,10 @@ struct Frame {
 
 struct ShadedPicture {
   /// R, G, B = multiple + surface. multiple.*: light from inside; surface.*: opaque and emissive objects, background,
-  /// and on translucent objects the constant environment mirrored by Fresnel (unoccluded; area lights are not mirrored).
-  /// fluence.*, gamma_s.*: W/m^2, mean over the pixel's translucent part, 0 without one. N.X, N.Y, N.Z: unit world normal,
-  /// and Z: distance from the eye in metres, both means over what the pixel sees, 0 where it sees nothing.
-  /// object.Y: share of the pixel that is translucent.
+  /// and on translucent objects the constant environment mirrored by Fresnel (unoccluded; area lights are not
+  /// mirrored). fluence.*, gamma_s.*: W/m^2, mean over the pixel's translucent part, 0 without one. N.X, N.Y, N.Z: unit
+  /// world normal, and Z: distance from the eye in metres, both means over what the pixel sees, 0 where it sees
+  /// nothing. object.Y: share of the pixel that is translucent.
   Picture picture;
   std::size_t negative_pixels = 0;  // the query's bracket was negative in a channel and was set to 0
   double negative_share = 0;        // of the pixels that see translucent objects
@@ -43,7 +43,7 @@ class Shading {
   struct Input {
     const Scene& scene;
     const SceneMeshes& meshes;
-    const Lighting& lighting;  // its shadow maps drawn
+    const Lighting& lighting;                  // its shadow maps drawn
     std::vector<TranslucentSurface> surfaces;  // translucent objects that are not listed stay black
     Camera camera;
     Frame frame;

@@ -10,7 +10,7 @@ layout(push_constant, scalar) uniform Push { TranslucentPush push; };
 layout(binding = 11) uniform sampler3D phi;                // W/m^2 on the surface
 layout(binding = 12) uniform sampler3D reduced;  // exp(-sigma_a / sigma_s') per channel
 void main() {
-  const uvec2 pixel = gl_GlobalInvocationID.xy;
+  const uvec2 pixel = push.corner + gl_GlobalInvocationID.xy;
   if (any(greaterThanEqual(pixel, push.camera.size))) return;
   const uint samples = push.camera.edge * push.camera.edge;
   uint todo = 0;

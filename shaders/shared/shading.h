@@ -29,6 +29,7 @@ struct PlainObject {
 
 struct TranslucentPush {
   CameraRays camera;
+  uvec2 corner;       // first pixel of the rectangle that holds the object
   uint first, count;  // the object's triangles
   vec3 grid_low;      // m; the fluence image's low corner
   vec3 grid_inverse;  // 1/m; one over its edge lengths

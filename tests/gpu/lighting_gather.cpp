@@ -27,7 +27,8 @@ class LightingGather : public GpuTest {};
 
 TEST_F(LightingGather, EqualsItsTwinWithoutShadows) {
   Scene scene;
-  scene.objects = {make_object(Role::translucent, icosphere(1, 0.01f)), make_light(light_quad(0.7f, {1, 2, 0.5}), {3, 2, 1}),
+  scene.objects = {make_object(Role::translucent, icosphere(1, 0.01f)),
+                   make_light(light_quad(0.7f, {1, 2, 0.5}), {3, 2, 1}),
                    make_light(light_quad(0.2f, {-2, 0.3, 0.5}), {9, 5, 1}, true)};
   const LitScene lit(context, scene, {40, 0, 64});
   std::mt19937 random(7);
@@ -92,8 +93,8 @@ TEST_F(LightingGather, AreaLightConvergesToQuadrature) {
       }
       errors.push_back(error);
     }
-    RecordProperty("errors_eta_" + std::to_string(eta), std::to_string(errors[0]) + " " + std::to_string(errors[1]) +
-                                                            " " + std::to_string(errors[2]));
+    RecordProperty("errors_eta_" + std::to_string(eta),
+                   std::to_string(errors[0]) + " " + std::to_string(errors[1]) + " " + std::to_string(errors[2]));
     EXPECT_LT(errors[1], 0.01);
     EXPECT_LT(errors[2], 0.003);
     EXPECT_LT(errors[2], errors[0] / 4);
@@ -194,8 +195,10 @@ TEST_F(LightingGather, BadSettingsAreTheUsersToMend) {
   Scene scene;
   scene.objects = {make_object(Role::translucent, icosphere(1)), make_light(light_quad(1, {0, 3, 0}), {1, 1, 1})};
   scene.environment.radiance = {1, 1, 1};
-  for (const LightSettings& bad : {LightSettings{0, 0, 64}, {-1, 0, 64}, {100000, 0, 64}, {1, -1, 64}, {1, 1, 1}, {1000, 1000, 64}})
-    EXPECT_THROW(LitScene(context, scene, bad), UserError) << bad.samples << " " << bad.directions << " " << bad.map_size;
+  for (const LightSettings& bad :
+       {LightSettings{0, 0, 64}, {-1, 0, 64}, {100000, 0, 64}, {1, -1, 64}, {1, 1, 1}, {1000, 1000, 64}})
+    EXPECT_THROW(LitScene(context, scene, bad), UserError)
+        << bad.samples << " " << bad.directions << " " << bad.map_size;
 }
 
 }  // namespace
