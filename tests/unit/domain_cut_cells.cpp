@@ -127,6 +127,8 @@ TEST(CutCells, PlateThinnerThanACellKeepsVolumeAreaAndThickness) {
     if (std::abs(c.side[0].area - c.side[1].area) > 1e-3 || c.facet.area < 1.9) continue;
     ++plates;
     EXPECT_NEAR(c.facet.distance, 0.5 * 0.008 / cuts.frame.h, 0.02);
+    EXPECT_LT(glm::length(c.side[0].area_vector + c.side[1].area_vector), 1e-3);  // two sheets, back to back
+    for (const Facet& sheet : c.side) EXPECT_NEAR(sheet.distance, 0.5 * 0.008 / cuts.frame.h, 0.02);
   }
   EXPECT_GT(plates, 300);
 }
