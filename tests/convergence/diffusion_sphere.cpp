@@ -47,7 +47,7 @@ class DiffusionSphere : public GpuTest {
   DomainMaker maker{context};
 
   Outcome run(const Sphere& sphere, int n, int channels = 1, float gamma = 1, const SolverOptions& options = {}) {
-    const Mesh mesh = icosphere(5, static_cast<float>(sphere.R));
+    const Mesh mesh = icosphere(6, static_cast<float>(sphere.R));
     const Domain domain = maker.make(mesh, choose_frame(bounds_of(mesh), n, 4));
     const double sigma_s = 1 / (3 * sphere.kappa) - sphere.sigma_a;
     const MediumField field = [&](glm::dvec3) { return MediumPoint{glm::dvec3(sigma_s), glm::dvec3(sphere.sigma_a)}; };
