@@ -31,7 +31,8 @@ static_assert(4 * DIFFUSION_TILE_X == tile_size_x && DIFFUSION_TILE_Y == tile_si
 FluencePasses::FluencePasses(gpu::Context& c)
     : assemble{c, "diffusion/operator.comp", {1}},
       scale{c, "diffusion/scale.comp"},
-      source{c, "diffusion/source.comp", {1}},
+      facets{{c, "diffusion/facets.comp", {0}}, {c, "diffusion/facets.comp", {1}}},
+      source{{c, "diffusion/source.comp", {1, 1}}, {c, "diffusion/source.comp", {1, 0}}},
       absorbed{c, "diffusion/absorbed.comp", {1}},
       energy{c, "diffusion/energy.comp"},
       gradient{c, "diffusion/gradient.comp"},
@@ -60,6 +61,10 @@ Diffusion::Diffusion(gpu::Context& context, const DiffusionPasses& solver_passes
       scales_(context, medium.channels * sizeof(FluenceScale), "fluence scales"),
       gradients_(context, std::size_t(medium.channels) * cut_count_ * sizeof(glm::vec4), "surface gradients"),
       energy_sums_(context, medium.channels * sizeof(EnergySums), "energy sums", gpu::Memory::host),
+      cell_sources_(context, std::size_t(medium.channels) * cut_count_ * sizeof(float), "cut cell sources"),
+      face_fluxes_(context, std::size_t(medium.channels) * cut_count_ * 6 * sizeof(float), "face corrections"),
+      facet_offsets_(context, std::size_t(medium.channels) * cut_count_ * sizeof(float), "facet corrections"),
+      options_(options),
       multigrid_(context, solver_passes, domain.frame.cells, medium.channels, tiles_, options.multigrid),
       pcg_(context, solver_passes, multigrid_, options) {
   gpu::Commands commands(context);
@@ -93,36 +98,57 @@ SurfacePush Diffusion::surface_push() const {
   return {domain_.frame.cells, cut_count_, multigrid_.channels(), static_cast<float>(A_), static_cast<float>(f_dt_), domain_.frame.h};
 }
 
+void Diffusion::record_source(gpu::Commands& commands, const gpu::Buffer& gamma_s, bool corrected) {
+  const auto scope = commands.time("diffusion source");
+  commands.dispatch(passes_.facets[corrected], {cut_count_, multigrid_.channels(), 1},
+                    {{"cut_index", domain_.cut_index}, {"cut_cells", domain_.cut_cells}, {"conductances", conductances_},
+                     {"gamma_s", gamma_s}, {"scales", scales_}, {"gradients", gradients_}, {"stencil", multigrid_.finest().stencil},
+                     {"cell_sources", cell_sources_}, {"face_fluxes", face_fluxes_}, {"facet_offsets", facet_offsets_}},
+                    surface_push());
+  commands.dispatch(passes_.source[corrected], multigrid_.threads(0),
+                    {{"tiles", tiles_.packed}, {"cut_index", domain_.cut_index}, {"cut_cells", domain_.cut_cells},
+                     {"cell_sources", cell_sources_}, {"face_fluxes", face_fluxes_}, {"scales", scales_}, {"rhs", pcg_.rhs()},
+                     {"high", pcg_.solution()}, {"low", pcg_.solution_rest()}},
+                    surface_push());
+}
+
+void Diffusion::record_gradients(gpu::Commands& commands, const gpu::Buffer& gamma_s) {
+  const auto scope = commands.time("diffusion gradients");
+  commands.dispatch(passes_.gradient, {cut_count_, multigrid_.channels(), 1},
+                    {{"cut_index", domain_.cut_index}, {"cut_cells", domain_.cut_cells}, {"gamma_s", gamma_s}, {"facets", facets_},
+                     {"scales", scales_}, {"volume", domain_.volume}, {"phi", pcg_.solution()}, {"gradients", gradients_}},
+                    surface_push());
+}
+
+void Diffusion::record_surface(gpu::Commands& commands) {
+  const auto scope = commands.time("diffusion surface");
+  const glm::ivec3 n = domain_.frame.cells;
+  commands.dispatch(passes_.surface, {n.x / 4, n.y, n.z},
+                    {{"cut_index", domain_.cut_index}, {"cut_cells", domain_.cut_cells}, {"scales", scales_}, {"gradients", gradients_},
+                     {"volume", domain_.volume}, {"phi", pcg_.solution()}, {"surface", surface_}},
+                    surface_push());
+}
+
+// The corrections converge about as fast as the solver does, so the early solves need no more digits than they bring.
 SolverStatus Diffusion::solve(const gpu::Buffer& gamma_s) {
-  const SurfacePush push = surface_push();
-  const unsigned channels = multigrid_.channels();
-  {
+  SolverStatus status;
+  int iterations = 0;
+  for (int pass = 0; pass <= options_.corrections; ++pass) {
     gpu::Commands commands(context_);
-    {
-      const auto scope = commands.time("diffusion source");
-      commands.dispatch(passes_.scale, {256 * channels, 1, 1}, {{"gamma_s", gamma_s}, {"scales", scales_}}, push);
-      commands.dispatch(passes_.source, multigrid_.threads(0),
-                        {{"tiles", tiles_.packed}, {"cut_index", domain_.cut_index}, {"cut_cells", domain_.cut_cells},
-                         {"conductances", conductances_}, {"gamma_s", gamma_s}, {"scales", scales_}, {"rhs", pcg_.rhs()},
-                         {"high", pcg_.solution()}, {"low", pcg_.solution_rest()}},
-                        push);
-    }
+    if (pass == 0)
+      commands.dispatch(passes_.scale, {256 * multigrid_.channels(), 1, 1}, {{"gamma_s", gamma_s}, {"scales", scales_}}, surface_push());
+    else
+      record_gradients(commands, gamma_s);
+    record_source(commands, gamma_s, pass > 0);
     commands.submit();
+    const double reached = pass == options_.corrections ? 0.0 : std::pow(10.0, -2 - pass);
+    status = pcg_.solve(std::max(options_.tolerance, reached));
+    iterations += status.iterations;
   }
-  SolverStatus status = pcg_.solve();
+  status.iterations = iterations;
   gpu::Commands commands(context_);
-  {
-    const auto scope = commands.time("diffusion surface");
-    commands.dispatch(passes_.gradient, {cut_count_, channels, 1},
-                      {{"cut_index", domain_.cut_index}, {"cut_cells", domain_.cut_cells}, {"gamma_s", gamma_s}, {"facets", facets_},
-                       {"scales", scales_}, {"volume", domain_.volume}, {"phi", pcg_.solution()}, {"gradients", gradients_}},
-                      push);
-    const glm::ivec3 n = domain_.frame.cells;
-    commands.dispatch(passes_.surface, {n.x / 4, n.y, n.z},
-                      {{"cut_index", domain_.cut_index}, {"cut_cells", domain_.cut_cells}, {"scales", scales_}, {"gradients", gradients_},
-                       {"volume", domain_.volume}, {"phi", pcg_.solution()}, {"surface", surface_}},
-                      push);
-  }
+  record_gradients(commands, gamma_s);
+  record_surface(commands);
   commands.submit();
   return status;
 }
@@ -136,7 +162,7 @@ EnergyBalance Diffusion::energy(const gpu::Buffer& gamma_s) {
                     level);
   commands.dispatch(passes_.energy, {256 * multigrid_.channels(), 1, 1},
                     {{"cut_cells", domain_.cut_cells}, {"gamma_s", gamma_s}, {"facets", facets_}, {"scales", scales_},
-                     {"partials", pcg_.partials()}, {"phi", pcg_.solution()}, {"sums", energy_sums_}},
+                     {"partials", pcg_.partials()}, {"facet_offsets", facet_offsets_}, {"phi", pcg_.solution()}, {"sums", energy_sums_}},
                     EnergyPush{surface_push(), pcg_.partials_per_channel()});
   commands.submit();
   const std::vector<FluenceScale> scales = gpu::download<FluenceScale>(context_, scales_);

@@ -11,7 +11,7 @@ namespace alabaster {
 /// The passes around the linear solver, made once a context.
 struct FluencePasses {
   explicit FluencePasses(gpu::Context& context);
-  gpu::Pass assemble, scale, source, absorbed, energy, gradient, surface;
+  gpu::Pass assemble, scale, facets[2], source[2], absorbed, energy, gradient, surface;  // [corrected]
 };
 
 /// Where a channel's light went, W: in = integral Gamma_s; absorbed = integral sigma_a phi; out = what the render query
@@ -52,6 +52,9 @@ class Diffusion {
 
  private:
   SurfacePush surface_push() const;
+  void record_source(gpu::Commands& commands, const gpu::Buffer& gamma_s, bool corrected);
+  void record_gradients(gpu::Commands& commands, const gpu::Buffer& gamma_s);
+  void record_surface(gpu::Commands& commands);
 
   gpu::Context& context_;
   const FluencePasses& passes_;
@@ -61,6 +64,8 @@ class Diffusion {
   TileList tiles_;
   gpu::Image absorption_, surface_;
   gpu::Buffer facets_, conductances_, scales_, gradients_, energy_sums_;
+  gpu::Buffer cell_sources_, face_fluxes_, facet_offsets_;
+  SolverOptions options_;
   glm::dvec3 kappa_scale_{1};
   Multigrid multigrid_;
   Pcg pcg_;

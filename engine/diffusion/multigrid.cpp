@@ -76,18 +76,18 @@ LevelPush Multigrid::push(std::size_t l, float omega) const {
 void Multigrid::set_up() {
   gpu::Commands commands(context_);
   for (std::size_t l = 0; l < levels_.size(); ++l) {
+    const auto scope = commands.time("diffusion hierarchy");
     const bool finest = l == 0;
     MultigridLevel& level = levels_[l];
     commands.dispatch(passes_.diagonals[finest], threads(l),
                       {{"tiles", tiles_.packed}, {"stencil", level.stencil}, {"inverse_l1", level.inverse_l1}, {"diagonal", level.spare}},
                       push(l));
     if (l + 1 == levels_.size()) break;
-    const glm::uvec3 coarse = threads(l + 1);
-    commands.dispatch(passes_.weights[finest], coarse,
-                      {{"tiles", tiles_.packed}, {"stencil", level.stencil}, {"diagonal", level.spare}, {"weights", level.weights}},
-                      push(l));
-    commands.dispatch(passes_.galerkin[finest], {coarse.x, coarse.y, coarse.z * DIFFUSION_COARSE_ENTRIES},
-                      {{"tiles", tiles_.packed}, {"stencil", level.stencil}, {"diagonal", level.spare}, {"weights", level.weights},
+    const glm::ivec3 n = levels_[l + 1].cells;
+    commands.dispatch(passes_.weights[finest], {n.x, n.y, n.z * channels_},
+                      {{"stencil", level.stencil}, {"diagonal", level.spare}, {"weights", level.weights}}, push(l));
+    commands.dispatch(passes_.galerkin[finest], {n.x, n.y, n.z * channels_ * DIFFUSION_COARSE_ENTRIES},
+                      {{"stencil", level.stencil}, {"diagonal", level.spare}, {"weights", level.weights},
                        {"coarse_stencil", levels_[l + 1].stencil}},
                       push(l));
   }

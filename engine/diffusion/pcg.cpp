@@ -20,7 +20,7 @@ Pcg::Pcg(gpu::Context& context, const DiffusionPasses& passes, Multigrid& multig
 
 void Pcg::reduce(gpu::Commands& commands, int mode) {
   commands.dispatch(passes_.reduce, {256 * multigrid_.channels(), 1, 1}, {{"partials", partials_}, {"scalars", scalars_}},
-                    ReducePush{partials_per_channel(), mode, static_cast<float>(options_.tolerance)});
+                    ReducePush{partials_per_channel(), mode});
 }
 
 void Pcg::record_start() {
@@ -78,8 +78,9 @@ void Pcg::clear_solution() {
 
 // Recurrences drift from the truth in single precision. So when they claim convergence the residual is computed anew, and
 // where it disagrees the gradients start again from it; only when that no longer helps does the solver give up.
-SolverStatus Pcg::solve() {
+SolverStatus Pcg::solve(double tolerance) {
   SolverStatus status;
+  for (int c = 0; c < multigrid_.channels(); ++c) static_cast<CgScalars*>(scalars_.mapped())[c].tolerance = static_cast<float>(tolerance);
   std::vector<double> last(multigrid_.channels(), INFINITY);
   while (true) {
     start_->submit();

@@ -14,6 +14,7 @@ struct SolverOptions {
   double tolerance = 1e-6;   // of the true relative residual |b - A x| / |b|
   int max_iterations = 100;
   int batch = 2;             // iterations between two looks at the residual
+  int corrections = 2;       // deferred-correction passes that make the surface second order; 0: first order
   MultigridOptions multigrid;
 };
 
@@ -29,8 +30,10 @@ class Pcg {
   /// `multigrid` is set up by the caller before solve(), and outlives this.
   Pcg(gpu::Context& context, const DiffusionPasses& passes, Multigrid& multigrid, const SolverOptions& options = {});
 
-  /// Solves A x = b for the images rhs() and solution(), starting from what solution() holds.
-  SolverStatus solve();
+  /// Solves A x = b for the images rhs() and solution(), starting from what solution() holds, to the true relative residual
+  /// `tolerance`.
+  SolverStatus solve(double tolerance);
+  SolverStatus solve() { return solve(options_.tolerance); }
 
   /// Forgets the solution: the next solve() starts from zero.
   void clear_solution();

@@ -15,6 +15,7 @@ layout(binding = 2, scalar) readonly buffer Facets { FacetMedium facets[]; };
 layout(binding = 3, scalar) readonly buffer Scales { FluenceScale scales[]; };
 layout(binding = 4, scalar) readonly buffer Partials { float partials[]; };
 layout(binding = 5, rgba32f) uniform readonly image3D phi;
+layout(binding = 7, scalar) readonly buffer FacetOffsets { float facet_offsets[]; };
 layout(binding = 6, scalar) writeonly buffer Sums { EnergySums sums[]; };
 shared vec3 shares[256];
 
@@ -27,6 +28,7 @@ void main() {
     GpuFacet facet = cut_cells[i].facet;
     ivec3 c = cut_cells[i].cell;
     float own = imageLoad(phi, ivec3(c.x >> 2, c.y, c.z + channel * push.cells.z))[c.x & 3] * scales[channel].unit;
+    own += facet_offsets[channel * push.count + i];
     float gamma = gamma_s[i][channel], depth = max(facet.distance, least_distance) * push.h / facets[i].kappa[channel];
     float surface = dsbc_surface_fluence(own, dsbc_source(gamma, push.f_dt), push.A, depth);
     float area = facet.area * push.h * push.h;

@@ -1,36 +1,52 @@
-// The coarse operator P^T A P, one entry k of one coarse texel an invocation; workgroup z = slice * 14 + k.
+// The coarse operator P^T A P, one entry k of one coarse cell an invocation; workgroup z = slice * 14 + k.
 #version 460
 #extension GL_GOOGLE_include_directive : require
-#include "diffusion/level.glsl"
 #include "diffusion/setup.glsl"
-#include "diffusion/transfer.glsl"
 layout(binding = 6, rgba32f) uniform writeonly image3D coarse_stencil;
+layout(binding = 7, rgba32f) uniform readonly image3D weights;
+shared float results[group_cells];
 
-vec4 weight_beside(int k, ivec3 t, int dx) {
-  vec4 own = weight(k, t);
-  return dx == 0 ? own : dx > 0 ? shifted_right(own, weight(k, t + step_x)) : shifted_left(weight(k, t - step_x), own);
+float weight(int k, ivec3 coarse_cell) {
+  return imageLoad(weights, ivec3(k * texels(push.coarse_cells.x) + (coarse_cell.x >> 2), coarse_cell.yz))[coarse_cell.x & 3];
+}
+
+// The share of all couplings i -> i + e: sum over fine cells i = 2 I + d of P(i, I) A(i, i + e) P(i + e, I + D).
+float share(ivec3 e, ivec3 D, ivec3 coarse, ivec3 other, ivec3 base, bool active_) {
+  ivec3 low = max(ivec3(-1), 2 * D - 1 - e), high = active_ ? min(ivec3(1), 2 * D + 1 - e) : ivec3(-2);
+  float sum = 0;
+  for (int z = low.z; z <= high.z; ++z)
+    for (int y = low.y; y <= high.y; ++y)
+      for (int x = low.x; x <= high.x; ++x) {
+        ivec3 d = ivec3(x, y, z);
+        float a = finest != 0 && e == ivec3(0) ? fine_diagonal(base + d) : coupling(base + d, e);
+        sum += weight(entry(d), coarse) * a * weight(entry(d + e - 2 * D), other);
+      }
+  return sum;
 }
 
 void main() {
-  int nx4 = texels(push.coarse_cells.x), k = int(gl_WorkGroupID.z) % DIFFUSION_COARSE_ENTRIES;
-  ivec3 t = ivec3(gl_GlobalInvocationID.xy, gl_WorkGroupID.z / DIFFUSION_COARSE_ENTRIES);
-  if (t.x >= nx4) return;
-  int channel = t.z / push.coarse_cells.z;
-  ivec3 base = fine_base(t, channel), D = offset(k), other = t + ivec3(0, D.yz);
-  vec4 sum = vec4(0);
-  int other_z = other.z - channel * push.coarse_cells.z;
-  if (other_z >= 0 && other_z < push.coarse_cells.z)
-    for (int m = 0; m < 27; ++m) {
-      ivec3 d = offset(m);
-      vec4 from = weight(m, t);
-      for (int n = 0; n < 27; ++n) {
-        ivec3 e = offset(n), j = d + e - 2 * D;
-        if (max(abs(j.x), max(abs(j.y), abs(j.z))) > 1) continue;
-        if (finest != 0 && abs(e.x) + abs(e.y) + abs(e.z) > 1) continue;
-        vec4 to = weight_beside((j.x + 1) + 3 * (j.y + 1) + 9 * (j.z + 1), other, D.x);
-        sum += from * coupling(base, d, e, channel) * to;
-      }
+  int k = int(gl_WorkGroupID.z) % DIFFUSION_COARSE_ENTRIES, slice = int(gl_WorkGroupID.z) / DIFFUSION_COARSE_ENTRIES;
+  int channel = slice / push.coarse_cells.z;
+  ivec3 I = ivec3(gl_GlobalInvocationID.xy, slice - channel * push.coarse_cells.z), D = offset(k);
+  ivec3 coarse = ivec3(I.xy, slice), other = coarse + D, base = 2 * I + ivec3(0, 0, channel * push.cells.z);
+  float any_weight = 0;
+  for (int m = 0; m < DIFFUSION_WEIGHTS; ++m) any_weight += abs(weight(m, coarse));
+  bool active_ = any_weight > 0 && in_grid(I, push.coarse_cells) && in_grid(I + D, push.coarse_cells);
+  float sum = 0;
+  if (finest != 0) {
+    for (int n = 0; n < 7; ++n) {
+      ivec3 e = ivec3(0);
+      if (n < 6) e[n >> 1] = 2 * (n & 1) - 1;
+      sum += share(e, D, coarse, other, base, active_);
     }
-  ivec4 x = 4 * t.x + ivec4(0, 1, 2, 3) + D.x;
-  imageStore(coarse_stencil, ivec3(k * nx4 + t.x, t.yz), mix(vec4(0), sum, lessThan(uvec4(x), uvec4(push.coarse_cells.x))));
+  } else {
+    for (int n = 0; n < 27; ++n) sum += share(offset(n), D, coarse, other, base, active_);
+  }
+  results[gl_LocalInvocationIndex] = sum;
+  barrier();
+  int nx4 = texels(push.coarse_cells.x);
+  uint l = gl_LocalInvocationIndex;
+  ivec3 texel = ivec3(gl_WorkGroupID.x * 4 + (l & 3), gl_WorkGroupID.y * 4 + (l >> 2 & 3), slice);
+  if (l >= 16 || texel.x >= nx4) return;
+  imageStore(coarse_stencil, texel + ivec3(k * nx4, 0, 0), vec4(results[4 * l], results[4 * l + 1], results[4 * l + 2], results[4 * l + 3]));
 }

@@ -16,6 +16,7 @@ layout(binding = 7, rgba32f) uniform readonly image3D phi;
 layout(binding = 8, scalar) writeonly buffer Gradients { vec4 gradients[]; };  // (g, phi_c), W/m^2, [channel][cut cell]
 
 const float regular = 1e-4;       // of the trace: a direction without neighbours gets no slope
+const float sliver = 0.05;        // h^3; smaller cells say less: their centroids crowd at the surface
 const float least_flatness = 0.5;  // a facet that is bent more has no normal
 
 float value(ivec3 c, int channel) {
@@ -34,9 +35,10 @@ void main() {
     ivec3 step_ = ivec3(0);
     step_[n >> 1] = (n & 1) != 0 ? 1 : -1;
     ivec3 other = cell + step_;
-    if (imageLoad(volume, ivec3(other.x >> 2, other.yz))[other.x & 3] <= 0) continue;
+    float size = imageLoad(volume, ivec3(other.x >> 2, other.yz))[other.x & 3];
+    if (size <= 0) continue;
     vec3 d = vec3(step_) + cut_cells[cut_at(other)].centre - centre;
-    float weight = 1 / dot(d, d);
+    float weight = min(1, size / sliver) / dot(d, d);
     normal_matrix += weight * outerProduct(d, d);
     right += weight * (value(other, channel) - own) * d;
   }

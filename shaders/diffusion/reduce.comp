@@ -11,7 +11,7 @@ layout(binding = 1, scalar) buffer Scalars { CgScalars scalars[]; };
 shared float sums[256];
 
 void advance(inout CgScalars s, float sum) {
-  float goal = push.tolerance * push.tolerance * s.bb;
+  float goal = s.tolerance * s.tolerance * s.bb;
   bool broken = !(sum >= 0) || isinf(sum);
   if (push.mode == DIFFUSION_REDUCE_START) {
     s.bb = sum;

@@ -1,29 +1,43 @@
-// The right-hand side b = B q / unit, q = 4 Gamma_s / F_dt, and the solution of before in the new unit.
+// The right-hand side from what facets.comp left for the cut cells and their faces, and (first of a solve) the solution of
+// before in the new unit.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #define LEVEL_PUSH SurfacePush
 #include "diffusion/level.glsl"
 #include "diffusion/cut.glsl"
-#include "shared/optics.h"
-layout(binding = 3, scalar) readonly buffer Conductances { float conductances[]; };
-layout(binding = 4, scalar) readonly buffer GammaS { vec3 gamma_s[]; };
+layout(constant_id = 1) const int first = 1;
+layout(binding = 3, scalar) readonly buffer CellSources { float cell_sources[]; };  // [channel][cut cell]
+layout(binding = 4, scalar) readonly buffer FaceFluxes { float face_fluxes[]; };    // [channel][cut cell][face]
 layout(binding = 5, scalar) readonly buffer Scales { FluenceScale scales[]; };
 layout(binding = 6, rgba32f) uniform writeonly image3D rhs;
 layout(binding = 7, rgba32f) uniform image3D high;
 layout(binding = 8, rgba32f) uniform image3D low;
 
+// What the cut cells around a whole cell send into it: entry 0 sends nothing.
+float from_neighbours(ivec3 cell, int channel) {
+  float sum = 0;
+  for (int face = 0; face < 6; ++face) {
+    ivec3 other = cell;
+    other[face >> 1] += 2 * (face & 1) - 1;
+    sum -= face_fluxes[(channel * push.count + cut_at(other)) * 6 + (face ^ 1)];
+  }
+  return sum;
+}
+
 void main() {
   ivec3 t = texel_here();
   int channel = channel_here();
-  FluenceScale scale = scales[channel];
   ivec3 cell = ivec3(4 * t.x, t.y, t.z - channel * push.cells.z);
   vec4 b = vec4(0);
   for (int lane = 0; lane < 4; ++lane) {
-    uint index = cut_at(cell + ivec3(lane, 0, 0));
-    if (index == 0 || scale.unit == 0) continue;
-    b[lane] = conductances[channel * push.count + index] * (dsbc_source(gamma_s[index][channel], push.f_dt) / scale.unit);
+    ivec3 c = cell + ivec3(lane, 0, 0);
+    uint index = cut_at(c);
+    b[lane] = cell_sources[channel * push.count + index];
+    if (first == 0 && index == 0) b[lane] = from_neighbours(c, channel);
   }
   imageStore(rhs, t, b);
-  imageStore(high, t, scale.ratio * imageLoad(high, t));
-  imageStore(low, t, scale.ratio * imageLoad(low, t));
+  if (first == 0) return;
+  float ratio = scales[channel].ratio;
+  imageStore(high, t, ratio * imageLoad(high, t));
+  imageStore(low, t, ratio * imageLoad(low, t));
 }

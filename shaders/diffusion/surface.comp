@@ -1,5 +1,5 @@
 // phi at cell centres, to be sampled trilinearly anywhere on the surface: inner cells as they are, cut cells carried from
-// the centroid to the centre along their gradient, cells outside the mean of what the cut cells around them say.
+// the centroid to the centre along their gradient, slivers and cells outside the mean of what the cut cells around them say.
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
@@ -12,6 +12,8 @@ layout(binding = 4, scalar) readonly buffer Gradients { vec4 gradients[]; };
 layout(binding = 5, rgba32f) uniform readonly image3D volume;
 layout(binding = 6, rgba32f) uniform readonly image3D phi;
 layout(binding = 7, rgba32f) uniform writeonly image3D surface;
+
+const float sliver = 0.05;  // h^3; a smaller cut cell's value comes from its neighbours, as if it were outside
 
 // What cut cell `index` says of the point `away` from its low corner, h.
 vec3 carried(uint index, vec3 away) {
@@ -53,8 +55,8 @@ void main() {
     vec3 result = vec3(0);
     if (near) {
       uint index = cut_at(cell);
-      if (index != 0) result = carried(index, vec3(0.5));
-      else if (own[lane] > 0) result = vec3(values[0][lane], values[1][lane], values[2][lane]);
+      if (index != 0 && own[lane] >= sliver) result = carried(index, vec3(0.5));
+      else if (index == 0 && own[lane] > 0) result = vec3(values[0][lane], values[1][lane], values[2][lane]);
       else result = from_neighbours(cell);
     }
     imageStore(surface, cell, vec4(max(result, vec3(0)), 1));

@@ -4,46 +4,62 @@
 // neighbour (sheets and needles at odd index) stand for their own block: weight 1.
 #version 460
 #extension GL_GOOGLE_include_directive : require
-#include "diffusion/level.glsl"
 #include "diffusion/setup.glsl"
 layout(binding = 6, rgba32f) uniform writeonly image3D weights;
 
 const float connected = 1e-7;  // of the diagonal: couplings below are none
+// Points before those that interpolate from them: the coarse point, lines, planes, cubes.
+const int order[DIFFUSION_WEIGHTS] = {13, 12, 14, 10, 16, 4,  22, 9, 11, 15, 17, 1,  7,  19,
+                                      25, 3,  5,  21, 23, 0,  2,  6, 8,  18, 20, 24, 26};
+shared float w[DIFFUSION_WEIGHTS * group_cells];
+
+struct Row {
+  float centre, lower, here;
+};
+
+// Adds the coupling c to the point reached by e, as a part of the equation of point d.
+void add(inout Row row, float c, ivec3 d, ivec3 e) {
+  ivec3 within = e * abs(d), from = d + within;
+  bool stays = within == ivec3(0), known = !stays && all(lessThanEqual(abs(from), ivec3(1)));
+  row.centre += stays ? c : 0;
+  row.lower -= stays ? 0 : c;
+  row.here -= known ? c * w[entry(known ? from : ivec3(0)) * group_cells + gl_LocalInvocationIndex] : 0;
+}
+
+float weight_of(ivec3 I, int channel, int k) {
+  ivec3 d = offset(k), cell = 2 * I + d, i = cell + ivec3(0, 0, channel * push.cells.z);
+  float own = in_grid(cell, push.cells) ? fine_diagonal(i) : 0;
+  Row row = Row(0, 0, 0);
+  if (finest != 0) {
+    // Couplings across the span of d cancel in the collapsed diagonal but for the reaction.
+    for (int n = 0; n < 6; ++n) {
+      ivec3 e = ivec3(0);
+      e[n >> 1] = 2 * (n & 1) - 1;
+      float c = e * d == ivec3(0) ? 0 : coupling(i, e);
+      add(row, c, d, e);
+    }
+    row.centre = fine_entry(DIFFUSION_REACTION, i) + row.lower;
+  } else {
+    for (int n = 0; n < 27; ++n) add(row, coupling(i, offset(n)), d, offset(n));
+  }
+  bool orphan = row.lower <= connected * own || row.centre <= 0;
+  bool own_block = all(greaterThanEqual(d, ivec3(0)));
+  return own <= 0 ? 0 : orphan ? (own_block ? 1 : 0) : row.here / row.centre;
+}
 
 void main() {
   ivec3 t = ivec3(gl_GlobalInvocationID);
-  if (t.x >= texels(push.coarse_cells.x)) return;
   int channel = t.z / push.coarse_cells.z;
-  ivec3 base = fine_base(t, channel);
-  vec4 w[DIFFUSION_WEIGHTS];
-  for (int odd = 0; odd <= 3; ++odd)
-    for (int k = 0; k < DIFFUSION_WEIGHTS; ++k) {
-      ivec3 d = offset(k), span = abs(d);
-      if (span.x + span.y + span.z != odd) continue;
-      vec4 own = diagonal_at(base, d, channel);
-      vec4 centre = finest != 0 ? gather(DIFFUSION_REACTION, base, d, channel) : vec4(0), lower = vec4(0), here = vec4(0);
-      for (int m = 0; m < 27; ++m) {
-        ivec3 e = offset(m), within = e * span;
-        if (finest != 0 && within != e) continue;  // couplings that the collapse cancels
-        if (finest != 0 && abs(e.x) + abs(e.y) + abs(e.z) != 1) continue;
-        vec4 c = coupling(base, d, e, channel);
-        if (within == ivec3(0)) {
-          centre += c;
-          continue;
-        }
-        if (finest != 0) centre -= c;
-        lower -= c;
-        ivec3 from = d + within;
-        if (abs(from.x) <= 1 && abs(from.y) <= 1 && abs(from.z) <= 1)
-          here -= c * w[(from.x + 1) + 3 * (from.y + 1) + 9 * (from.z + 1)];
-      }
-      bool own_block = d.x >= 0 && d.y >= 0 && d.z >= 0;
-      vec4 result;
-      for (int lane = 0; lane < 4; ++lane) {
-        bool orphan = lower[lane] <= connected * own[lane] || centre[lane] <= 0;
-        result[lane] = own[lane] <= 0 ? 0 : orphan ? (own_block ? 1 : 0) : here[lane] / centre[lane];
-      }
-      w[k] = result;
-      imageStore(weights, ivec3(k * texels(push.coarse_cells.x) + t.x, t.yz), result);
-    }
+  ivec3 I = ivec3(t.xy, t.z - channel * push.coarse_cells.z);
+  for (int n = 0; n < DIFFUSION_WEIGHTS; ++n) w[order[n] * group_cells + gl_LocalInvocationIndex] = weight_of(I, channel, order[n]);
+  barrier();
+  // Four cells a texel: invocation l stores texel l % 16 of the group, and every fourth entry.
+  int nx4 = texels(push.coarse_cells.x);
+  uint l = gl_LocalInvocationIndex, first = 4 * (l & 15);
+  ivec3 texel = ivec3(gl_WorkGroupID.x * 4 + (l & 3), gl_WorkGroupID.y * 4 + (l >> 2 & 3), t.z);
+  if (texel.x >= nx4) return;
+  for (uint k = l >> 4; k < DIFFUSION_WEIGHTS; k += 4) {
+    uint at = k * group_cells + first;
+    imageStore(weights, texel + ivec3(k * nx4, 0, 0), vec4(w[at], w[at + 1], w[at + 2], w[at + 3]));
+  }
 }

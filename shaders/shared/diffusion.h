@@ -43,13 +43,13 @@ struct LevelPush {
 };
 
 struct ReducePush {
-  int partials;     // of one channel
-  int mode;         // DIFFUSION_REDUCE_*
-  float tolerance;  // of the relative residual
+  int partials;  // of one channel
+  int mode;      // DIFFUSION_REDUCE_*
 };
 
 // Scalars of the conjugate gradients of one channel.
 struct CgScalars {
+  float tolerance;     // of the relative residual; the host sets it
   float bb;            // |b|^2
   float rr;            // |r|^2, r by recurrence
   float rho;           // r . z
