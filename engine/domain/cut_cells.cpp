@@ -317,7 +317,8 @@ class Cutter {
       }
       CutCell cut;
       cut.cell = {int(at % cells.x), int(at / cells.x % cells.y), int(at / stride_[2])};
-      cut.volume = std::max(solid.volume, least_volume);
+      double most = 1 + 6 * solid.reach;  // more only where the mesh overlaps itself
+      cut.volume = std::clamp(solid.volume, least_volume, most);
       cut.centroid = solid.volume > least_volume ? solid.moment / solid.volume : all.X / all.S;
       cut.centroid = glm::clamp(cut.centroid, -solid.reach, 1 + solid.reach);
       cut.facet = make_facet(all, cut.centroid);

@@ -110,7 +110,7 @@ void main() {
   Part all = Part(side[0].A + side[1].A, side[0].S + side[1].S, side[0].X + side[1].X, side[0].T + side[1].T);
   GpuCutCell cut;
   cut.cell = cell;
-  cut.volume = max(volume, least_volume);
+  cut.volume = clamp(volume, least_volume, 1.0 + 6.0 * reach);  // more only where the mesh overlaps itself
   cut.centre = volume > least_volume ? moment / volume : all.X / max(all.S, least_facet);
   cut.centre = clamp(cut.centre, -reach, 1.0 + reach);
   cut.facet = make_facet(all, cut.centre);

@@ -226,6 +226,17 @@ TEST_F(DomainTest, IsTheSameTwice) {
   EXPECT_EQ(gpu::download<std::uint32_t>(context, a.cut_index), gpu::download<std::uint32_t>(context, b.cut_index));
 }
 
+TEST_F(DomainTest, CavitiesCountAndOverlapsAreSaid) {
+  Mesh hollow = joined(icosphere(4, 1), flipped(icosphere(3, 0.5f)));
+  EXPECT_TRUE(expect_twin(hollow, 32, "hollow sphere").warnings.empty());
+  Mesh overlapping = joined(box({1, 1, 1}), transformed(box({1, 1, 1}), translation({0.4, 0.3, 0.2})));
+  Domain domain = maker.make(overlapping, choose_frame(bounds_of(overlapping), 24));
+  ASSERT_EQ(domain.warnings.size(), 1u);
+  EXPECT_NE(domain.warnings[0].find("overlaps itself"), std::string::npos);
+  for (float a : gpu::download<float>(context, domain.aperture[0])) EXPECT_LE(a, 1);
+  for (float v : gpu::download<float>(context, domain.volume)) EXPECT_LE(v, 1 + 1e-5);
+}
+
 TEST_F(DomainTest, RefusesOpenInvertedAndEmptyMeshes) {
   Mesh open = icosphere(3, 1);
   open.triangles.pop_back();
