@@ -19,7 +19,7 @@ Pcg::Pcg(gpu::Context& context, const DiffusionPasses& passes, Multigrid& multig
 }
 
 void Pcg::reduce(gpu::Commands& commands, int mode) {
-  commands.dispatch(passes_.reduce, {256 * multigrid_.channels(), 1, 1}, {{"partials", partials_}, {"scalars", scalars_}},
+  commands.dispatch(passes_.reduce, {64 * multigrid_.channels(), 1, 1}, {{"partials", partials_}, {"scalars", scalars_}},
                     ReducePush{partials_per_channel(), mode});
 }
 

@@ -13,7 +13,7 @@ namespace alabaster {
 struct SolverOptions {
   double tolerance = 1e-6;   // of the true relative residual |b - A x| / |b|
   int max_iterations = 100;
-  int batch = 2;             // iterations between two looks at the residual
+  int batch = 1;             // iterations between two looks at the residual
   int corrections = 2;       // deferred-correction passes that make the surface second order; 0: first order
   MultigridOptions multigrid;
 };

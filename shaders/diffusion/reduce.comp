@@ -4,11 +4,13 @@
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
 #include "shared/diffusion.h"
-layout(local_size_x = 256) in;
+#extension GL_KHR_shader_subgroup_basic : require
+#extension GL_KHR_shader_subgroup_arithmetic : require
+layout(local_size_x = 64) in;
 layout(push_constant, scalar) uniform PushBlock { ReducePush push; };
 layout(binding = 0, scalar) readonly buffer Partials { float partials[]; };
 layout(binding = 1, scalar) buffer Scalars { CgScalars scalars[]; };
-shared float sums[256];
+shared float sums[64];  // of the subgroups
 
 void advance(inout CgScalars s, float sum) {
   float goal = s.tolerance * s.tolerance * s.bb;
@@ -42,15 +44,15 @@ void advance(inout CgScalars s, float sum) {
 void main() {
   uint channel = gl_WorkGroupID.x, lane = gl_LocalInvocationID.x;
   float sum = 0;
-  for (uint i = lane; i < push.partials; i += 256) sum += partials[channel * push.partials + i];
-  sums[lane] = sum;
-  for (uint half_ = 128; half_ > 0; half_ >>= 1) {
-    barrier();
-    if (lane < half_) sums[lane] += sums[lane + half_];
-  }
+  for (uint i = lane; i < push.partials; i += 64) sum += partials[channel * push.partials + i];
+  sum = subgroupAdd(sum);
+  if (subgroupElect()) sums[gl_SubgroupID] = sum;
+  barrier();
   if (lane == 0) {
     CgScalars s = scalars[channel];
-    advance(s, sums[0]);
+    float total = 0;
+    for (uint i = 0; i < gl_NumSubgroups; ++i) total += sums[i];
+    advance(s, total);
     scalars[channel] = s;
   }
 }

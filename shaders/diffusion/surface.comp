@@ -25,10 +25,11 @@ vec3 carried(uint index, vec3 away) {
   return result;
 }
 
-vec3 from_neighbours(ivec3 cell) {
+// Without `needed` the loop is empty: a CPU's vector lanes would run a branch they do not take.
+vec3 from_neighbours(ivec3 cell, bool needed) {
   vec3 sum = vec3(0);
   float weights = 0;
-  for (int n = 0; n < 27; ++n) {
+  for (int n = needed ? 0 : 27; n < 27; ++n) {
     ivec3 d = ivec3(n % 3, n / 3 % 3, n / 9) - 1;
     uint index = cut_at(cell + d);
     if (index == 0) continue;
@@ -52,13 +53,11 @@ void main() {
   }
   for (int lane = 0; lane < 4; ++lane) {
     ivec3 cell = ivec3(4 * t.x + lane, t.yz);
-    vec3 result = vec3(0);
-    if (near) {
-      uint index = cut_at(cell);
-      if (index != 0 && own[lane] >= sliver) result = carried(index, vec3(0.5));
-      else if (index == 0 && own[lane] > 0) result = vec3(values[0][lane], values[1][lane], values[2][lane]);
-      else result = from_neighbours(cell);
-    }
+    uint index = cut_at(cell);
+    bool whole = index == 0 && own[lane] > 0, cut = index != 0 && own[lane] >= sliver;
+    vec3 result = from_neighbours(cell, near && !whole && !cut);
+    if (whole) result = vec3(values[0][lane], values[1][lane], values[2][lane]);
+    if (cut) result = carried(index, vec3(0.5));
     imageStore(surface, cell, vec4(max(result, vec3(0)), 1));
   }
 }
