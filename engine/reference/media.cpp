@@ -47,6 +47,12 @@ FlatMedium::FlatMedium(const Medium& medium) : g_(static_cast<float>(medium.g)) 
   empty_ = uniform_.sigma_t == glm::vec3(0);
   grey_ = uniform_.sigma_t.x == uniform_.sigma_t.y && uniform_.sigma_t.y == uniform_.sigma_t.z;
   least_ = smallest(uniform_.sigma_t);
+  mean_free_path_ = 1.0f / uniform_.sigma_t;
+  for (int hero = 0; hero < 3; ++hero) {
+    if (uniform_.sigma_t[hero] <= 0) continue;  // no collision is ever sampled by it
+    scattered_[hero] = uniform_.sigma_s / uniform_.sigma_t[hero];
+    density_[hero] = uniform_.sigma_t / uniform_.sigma_t[hero];
+  }
   if (!medium.heterogeneous()) return;
   sigma_t_grid_ = medium.sigma_t;
   albedo_grid_ = medium.albedo;

@@ -27,6 +27,11 @@ class FlatMedium {
   float g() const { return g_; }
   float least_sigma_t() const { return least_; }  // over space and channels, 1/m
   const Optics& homogeneous() const { return uniform_; }
+  glm::vec3 mean_free_path() const { return mean_free_path_; }  // m, homogeneous media
+  /// Of a collision in a homogeneous medium whose flight the channel `hero` sampled: sigma_s, and sigma_t, over its
+  /// sigma_t.
+  glm::vec3 scattered(int hero) const { return scattered_[hero]; }
+  glm::vec3 density(int hero) const { return density_[hero]; }
   Optics at(glm::vec3 world) const;
 
  private:
@@ -35,6 +40,8 @@ class FlatMedium {
   bool empty_ = true, grey_ = true;
   float g_ = 0, scale_ = 1, least_ = 0;
   Optics uniform_;
+  glm::vec3 mean_free_path_{0};
+  glm::mat3 scattered_{0}, density_{0};
   std::shared_ptr<const Grid> sigma_t_grid_, albedo_grid_;
   glm::mat4 to_box_{1};
   glm::ivec3 blocks_{1};

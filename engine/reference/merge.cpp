@@ -100,17 +100,19 @@ Picture merge(const std::vector<Picture>& parts, const std::vector<std::string>&
     }
   }
   std::string seeds;
-  double seconds = 0, capped = 0, events = 0;
+  double seconds = 0, capped = 0, leaks = 0, events = 0;
   for (std::size_t k = 0; k < parts.size(); ++k) {
     seeds += (k ? "+" : "") + text_of(parts[k], names[k], "seed");
     seconds += std::get<double>(attribute_of(parts[k], names[k], "seconds"));
     capped += std::get<double>(attribute_of(parts[k], names[k], "cappedPaths"));
+    leaks += std::get<double>(attribute_of(parts[k], names[k], "leakedPaths"));
     events += n[k] / samples * std::get<double>(attribute_of(parts[k], names[k], "eventsPerSample"));
   }
   whole.attributes["samplesPerPixel"] = samples;
   whole.attributes["seed"] = seeds;
   whole.attributes["seconds"] = seconds;
   whole.attributes["cappedPaths"] = capped;
+  whole.attributes["leakedPaths"] = leaks;
   whole.attributes["eventsPerSample"] = events;
   whole.attributes.erase("noise");
   return whole;

@@ -71,6 +71,7 @@ class Tracer {
       Hit hit;
       switch (advance(path, hit)) {
         case Event::escape:
+          sample_.leaks += !path.inside.empty();
           collect(path, world_.environment());
           return;
         case Event::collision:
@@ -96,18 +97,19 @@ class Tracer {
   }
 
   bool roulette(Path& path) {
+    const float densities = path.densities.x + path.densities.y + path.densities.z;
+    if (3 * largest(path.throughput) >= roulette_below * densities) return true;
     const float w = largest(path.weight());
-    if (w >= roulette_below) return true;
     const float survive = w / roulette_level;
     if (!(random_.uniform() < survive)) return false;
     path.throughput /= survive;
     return true;
   }
 
-  // Next surface from the path's origin; its distance is measured from there.
-  bool cast(const Path& path, Hit& hit) const {
+  // Next surface within `far` of the path's origin; its distance is measured from there.
+  bool cast(const Path& path, float far, Hit& hit) const {
     const float back = path.on_surface ? world_.nudge() : 0.0f;
-    if (!world_.next_surface(path.origin - back * path.direction, path.direction, INFINITY, path.inside, path.leaving,
+    if (!world_.next_surface(path.origin - back * path.direction, path.direction, far + back, path.inside, path.leaving,
                              hit))
       return false;
     hit.distance = std::max(0.0f, hit.distance - back);
@@ -133,28 +135,29 @@ class Tracer {
 
   Event advance(Path& path, Hit& hit) {
     const FlatMedium* medium = medium_of(path.inside);
-    if (!medium) return cast(path, hit) ? Event::surface : Event::escape;
+    if (!medium) return cast(path, INFINITY, hit) ? Event::surface : Event::escape;
     return medium->gridded() ? advance_in_grid(path, *medium, hit) : advance_in_homogeneous(path, *medium, hit);
   }
 
   // Free flight in closed form, in the path's own channel.
   Event advance_in_homogeneous(Path& path, const FlatMedium& medium, Hit& hit) {
     const Optics& optics = medium.homogeneous();
-    const float flight = random_.exponential() / optics.sigma_t[path.hero];
+    const float flight = random_.exponential() * medium.mean_free_path()[path.hero];
     if (flight >= free_distance(path)) {
       if (!path.on_surface) renew_ball(path);
       if (flight >= free_distance(path)) {
-        const bool met = cast(path, hit);
-        if (!met || flight >= hit.distance) {
-          if (!met) return Event::escape;
+        if (cast(path, flight, hit)) {
           attenuate(path, optics.sigma_t, hit.distance, medium.grey_flight());
           return Event::surface;
         }
+        // Rounding can put a path that started on a surface's edge outside: let it go.
+        if (world_.surely_outside(path.inside.top(), path.origin + flight * path.direction)) return Event::escape;
       }
     }
     move(path, flight);
     attenuate(path, optics.sigma_t, flight, medium.grey_flight());
-    collide(path, optics);
+    path.throughput *= medium.scattered(path.hero);
+    path.densities *= medium.density(path.hero);
     return Event::collision;
   }
 
@@ -181,7 +184,7 @@ class Tracer {
       if (!candidates.next(limit)) {
         if (cast_done) return hit.where.object == nothing ? Event::escape : Event::surface;
         cast_done = true;
-        limit = cast(path, hit) ? hit.distance : INFINITY;
+        limit = cast(path, INFINITY, hit) ? hit.distance : INFINITY;
         continue;
       }
       const Optics optics = medium.at(path.origin + candidates.distance() * path.direction);
@@ -208,8 +211,8 @@ class Tracer {
     });
     if (!roulette(path)) return false;
     const float cosine = phase_cosine(g, random_.uniform());
-    path.direction = around(before, cosine, random_.uniform());
-    path.direction_density = phase_value(g, cosine);
+    path.direction = g == 0 ? from_axis(cosine, random_.uniform()) : around(before, cosine, random_.uniform());
+    path.direction_density = path.blind ? 0.0f : phase_value(g, cosine);
     return true;
   }
 

@@ -21,6 +21,7 @@ struct PathSample {
   bool on_object = false;                                                        // the first hit is translucent
   std::uint64_t events = 0;                                                      // scatterings and surfaces met
   bool capped = false;                                                           // the path was cut off at most_events
+  int leaks = 0;  // escapes that met no surface on the way out: rounding at edges, or a mesh with holes
 };
 
 /// Paths are ended by Russian roulette; this cap exists so that a lossless closed scene cannot hang. It is counted.

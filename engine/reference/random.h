@@ -41,6 +41,12 @@ class Random {
   std::uint64_t state_ = 0, increment_ = 1;
 };
 
+/// The direction with z = `c` and azimuth 2 pi u.
+inline glm::vec3 from_axis(float c, float u) {
+  const float r = std::sqrt(std::max(0.0f, 1.0f - c * c)), turn = 2 * pi * u;
+  return {r * std::cos(turn), r * std::sin(turn), c};
+}
+
 /// The direction with polar cosine `c` about `axis` (unit) and azimuth 2 pi u.
 inline glm::vec3 around(glm::vec3 axis, float c, float u) {
   // Orthonormal basis without a branch on degenerate axes: Duff et al., JCGT 6(1), 2017.

@@ -92,10 +92,10 @@ class Renderer {
 
   void render_pass(std::uint64_t samples) {
     const auto pixels = sums_.pixels.size();
-    std::atomic<std::uint64_t> events{0}, capped{0}, finished{0};
+    std::atomic<std::uint64_t> events{0}, capped{0}, leaks{0}, finished{0};
     tbb::parallel_for(
         tbb::blocked_range<std::size_t>(0, pixels, 16), [&](const tbb::blocked_range<std::size_t>& range) {
-          std::uint64_t own_events = 0, own_capped = 0;
+          std::uint64_t own_events = 0, own_capped = 0, own_leaks = 0;
           for (std::size_t pixel = range.begin(); pixel < range.end(); ++pixel)
             for (std::uint64_t k = 0; k < samples; ++k) {
               Random random(options_.seed, pixel, sums_.samples + k);
@@ -104,15 +104,18 @@ class Renderer {
               sums_.pixels[pixel].add(sample, chosen_);
               own_events += sample.events;
               own_capped += sample.capped;
+              own_leaks += static_cast<std::uint64_t>(sample.leaks);
             }
           events += own_events;
           capped += own_capped;
+          leaks += own_leaks;
           finished += range.size();
           report(static_cast<double>(samples) * static_cast<double>(finished) / static_cast<double>(pixels));
         });
     sums_.samples += samples;
     sums_.events += events;
     sums_.capped += capped;
+    sums_.leaks += leaks;
   }
 
   // Box filter: (x, y) in the pixel's unit square.
@@ -170,6 +173,7 @@ class Renderer {
                           {"threads", static_cast<double>(tbb::this_task_arena::max_concurrency())},
                           {"eventsPerSample", static_cast<double>(sums_.events) / std::max(1.0, paths)},
                           {"cappedPaths", static_cast<double>(sums_.capped)},
+                          {"leakedPaths", static_cast<double>(sums_.leaks)},
                           {"noise", sums_.relative_error()}};
     return picture;
   }

@@ -16,7 +16,7 @@ constexpr char magic[8] = {'a', 'l', 'a', 'b', 's', 'u', 'm', '1'};
 struct StateHeader {
   char magic[8];
   std::int64_t width, height;
-  std::uint64_t fingerprint, samples, events, capped;
+  std::uint64_t fingerprint, samples, events, capped, leaks;
   double seconds;
 };
 
@@ -107,7 +107,7 @@ void Sums::write_layers(Picture& picture, const std::array<bool, layer_count>& c
 }
 
 void Sums::save(const std::string& path) const {
-  StateHeader header{{}, width, height, fingerprint, samples, events, capped, seconds};
+  StateHeader header{{}, width, height, fingerprint, samples, events, capped, leaks, seconds};
   std::memcpy(header.magic, magic, sizeof magic);
   write_whole_file(path, [&](const std::string& temporary) {
     std::ofstream file(temporary, std::ios::binary);
@@ -137,6 +137,7 @@ bool Sums::load(const std::string& path) {
   samples = header.samples;
   events = header.events;
   capped = header.capped;
+  leaks = header.leaks;
   seconds = header.seconds;
   return true;
 }

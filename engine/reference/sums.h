@@ -25,7 +25,7 @@ struct Sums {
   int width = 0, height = 0;
   std::uint64_t fingerprint = 0;  // of the scene and of every option that changes a sample
   std::uint64_t samples = 0;      // per pixel
-  std::uint64_t events = 0, capped = 0;
+  std::uint64_t events = 0, capped = 0, leaks = 0;
   double seconds = 0;
   std::vector<PixelSums> pixels;
 

@@ -10,29 +10,9 @@
 namespace alabaster {
 namespace {
 
-constexpr int distance_cells = 64;  // along an object's longest side
-constexpr float worth_depth = 10;   // mean free paths across below which distances are not worth their making
-constexpr float rounding = 1e-5f;   // relative slack of every stored distance
+constexpr float worth_depth = 10;  // mean free paths across below which distances are not worth their making
 
 float largest(glm::vec3 v) { return std::max({v.x, v.y, v.z}); }
-
-// Distance to a triangle: by the Voronoi regions of its vertices, edges and face.
-float squared_distance(glm::vec3 p, glm::vec3 a, glm::vec3 b, glm::vec3 c) {
-  const auto to_segment = [&](glm::vec3 u, glm::vec3 v) {
-    const glm::vec3 e = v - u;
-    const float t = std::clamp(glm::dot(p - u, e) / std::max(glm::dot(e, e), 1e-30f), 0.0f, 1.0f);
-    const glm::vec3 d = p - (u + t * e);
-    return glm::dot(d, d);
-  };
-  const glm::vec3 n = glm::cross(b - a, c - a);
-  const bool over_face = glm::dot(glm::cross(b - a, p - a), n) >= 0 && glm::dot(glm::cross(c - b, p - b), n) >= 0 &&
-                         glm::dot(glm::cross(a - c, p - c), n) >= 0;
-  if (over_face && glm::dot(n, n) > 0) {
-    const float height = glm::dot(p - a, n);
-    return height * height / glm::dot(n, n);
-  }
-  return std::min({to_segment(a, b), to_segment(b, c), to_segment(c, a)});
-}
 
 }  // namespace
 
@@ -75,7 +55,7 @@ World::World(const Scene& scene) : device_(rtcNewDevice(nullptr)), environment_(
     body.radiance = object.radiance;
     body.two_sided = object.two_sided;
     bodies_.push_back(body);
-    shapes_.push_back({object.mesh.positions, object.mesh.triangles, {}});
+    shapes_.push_back({object.mesh, {}, bounds_of(object.mesh)});
     add_geometry(static_cast<std::uint32_t>(bodies_.size() - 1));
     for (glm::vec3 p : object.mesh.positions) reach = std::max({reach, std::abs(p.x), std::abs(p.y), std::abs(p.z)});
   }
@@ -88,24 +68,24 @@ World::World(const Scene& scene) : device_(rtcNewDevice(nullptr)), environment_(
     body.light_density = static_cast<float>(static_cast<double>(largest(body.radiance)) / power);
   distances_.resize(bodies_.size());
   for (std::uint32_t id = 0; id < bodies_.size(); ++id)
-    if (bodies_[id].role == Role::translucent) build_distances(id);
+    if (bodies_[id].role == Role::translucent) measure_distances(id);
 }
 
 void World::add_geometry(std::uint32_t id) {
   Shape& shape = shapes_[id];
-  for (glm::uvec3 t : shape.triangles) {
-    const glm::dvec3 a(shape.positions[t.x]), b(shape.positions[t.y]), c(shape.positions[t.z]);
+  for (glm::uvec3 t : shape.mesh.triangles) {
+    const glm::dvec3 a(shape.mesh.positions[t.x]), b(shape.mesh.positions[t.y]), c(shape.mesh.positions[t.z]);
     const glm::dvec3 n = glm::cross(b - a, c - a);
     const double length = glm::length(n);
     shape.normals.push_back(length > 0 ? glm::vec3(n / length) : glm::vec3(0, 0, 1));
   }
   RTCGeometry geometry = rtcNewGeometry(device_.get(), RTC_GEOMETRY_TYPE_TRIANGLE);
   void* positions = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(glm::vec3),
-                                            shape.positions.size());
+                                            shape.mesh.positions.size());
   void* triangles = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, sizeof(glm::uvec3),
-                                            shape.triangles.size());
-  std::copy(shape.positions.begin(), shape.positions.end(), static_cast<glm::vec3*>(positions));
-  std::copy(shape.triangles.begin(), shape.triangles.end(), static_cast<glm::uvec3*>(triangles));
+                                            shape.mesh.triangles.size());
+  std::copy(shape.mesh.positions.begin(), shape.mesh.positions.end(), static_cast<glm::vec3*>(positions));
+  std::copy(shape.mesh.triangles.begin(), shape.mesh.triangles.end(), static_cast<glm::uvec3*>(triangles));
   rtcCommitGeometry(geometry);
   rtcAttachGeometryByID(scene_.get(), geometry, id);
   rtcReleaseGeometry(geometry);
@@ -133,7 +113,7 @@ bool World::next_surface(glm::vec3 origin, glm::vec3 direction, float far, const
   hit.normal = shape.normals[rh.hit.primID];
   // Back onto the triangle's plane: the distance alone would leave the point off it by the rounding of a long ray.
   const glm::vec3 p = origin + rh.ray.tfar * direction;
-  const glm::vec3 corner = shape.positions[shape.triangles[rh.hit.primID].x];
+  const glm::vec3 corner = shape.mesh.positions[shape.mesh.triangles[rh.hit.primID].x];
   hit.point = p - glm::dot(p - corner, hit.normal) * hit.normal;
   return true;
 }
@@ -142,9 +122,9 @@ void World::add_lights(std::uint32_t id) {
   const Body& body = bodies_[id];
   if (body.role != Role::emissive || largest(body.radiance) <= 0) return;
   const Shape& shape = shapes_[id];
-  for (std::uint32_t t = 0; t < shape.triangles.size(); ++t) {
-    const glm::uvec3 v = shape.triangles[t];
-    const glm::dvec3 a(shape.positions[v.x]), b(shape.positions[v.y]), c(shape.positions[v.z]);
+  for (std::uint32_t t = 0; t < shape.mesh.triangles.size(); ++t) {
+    const glm::uvec3 v = shape.mesh.triangles[t];
+    const glm::dvec3 a(shape.mesh.positions[v.x]), b(shape.mesh.positions[v.y]), c(shape.mesh.positions[v.z]);
     const double area = 0.5 * glm::length(glm::cross(b - a, c - a));
     light_triangles_.push_back({id, t});
     light_weights_.push_back((light_weights_.empty() ? 0.0 : light_weights_.back()) +
@@ -158,10 +138,11 @@ LightPoint World::sample_light(Random& random) const {
   const Leaving at =
       light_triangles_[std::min(static_cast<std::size_t>(pick - light_weights_.begin()), light_triangles_.size() - 1)];
   const Shape& shape = shapes_[at.object];
-  const glm::uvec3 t = shape.triangles[at.triangle];
+  const glm::uvec3 t = shape.mesh.triangles[at.triangle];
   const float root = std::sqrt(random.uniform()), v = random.uniform() * root;
   LightPoint light;
-  light.point = (1 - root) * shape.positions[t.x] + (root - v) * shape.positions[t.y] + v * shape.positions[t.z];
+  light.point =
+      (1 - root) * shape.mesh.positions[t.x] + (root - v) * shape.mesh.positions[t.y] + v * shape.mesh.positions[t.z];
   light.normal = shape.normals[at.triangle];
   light.object = at.object;
   return light;
@@ -175,9 +156,9 @@ Inside World::inside_at(glm::vec3 point) const {
     if (bodies_[id].role != Role::translucent || inside.full()) continue;
     const Shape& shape = shapes_[id];
     int leavings = 0;
-    for (glm::uvec3 t : shape.triangles) {
-      const glm::dvec3 a(shape.positions[t.x]), e(glm::dvec3(shape.positions[t.y]) - a),
-          f(glm::dvec3(shape.positions[t.z]) - a);
+    for (glm::uvec3 t : shape.mesh.triangles) {
+      const glm::dvec3 a(shape.mesh.positions[t.x]), e(glm::dvec3(shape.mesh.positions[t.y]) - a),
+          f(glm::dvec3(shape.mesh.positions[t.z]) - a);
       const glm::dvec3 n = glm::cross(e, f), s = glm::dvec3(point) - a;
       const double rate = glm::dot(direction, n);
       if (rate == 0) continue;
@@ -191,67 +172,13 @@ Inside World::inside_at(glm::vec3 point) const {
   return inside;
 }
 
-bool World::nearest_of(RTCPointQueryFunctionArguments* call) {
-  const auto* world = static_cast<const World*>(call->userPtr);
-  const Shape& shape = world->shapes_[call->geomID];
-  const glm::uvec3 t = shape.triangles[call->primID];
-  const glm::vec3 p(call->query->x, call->query->y, call->query->z);
-  const float d = std::sqrt(squared_distance(p, shape.positions[t.x], shape.positions[t.y], shape.positions[t.z]));
-  if (d >= call->query->radius) return false;
-  call->query->radius = d;
-  return true;
-}
-
-float World::distance_to_surface(glm::vec3 point, float no_further_than) const {
-  RTCPointQueryContext context;
-  rtcInitPointQueryContext(&context);
-  RTCPointQuery query{point.x, point.y, point.z, 0.0f, no_further_than};
-  rtcPointQuery(scene_.get(), &query, &context, nearest_of, const_cast<World*>(this));
-  return query.radius;
-}
-
-void World::build_distances(std::uint32_t id) {
+void World::measure_distances(std::uint32_t id) {
   const Body& body = bodies_[id];
-  Bounds bounds;
-  for (glm::vec3 p : shapes_[id].positions) bounds.add(p);
-  const glm::vec3 size = bounds.size();
-  const float longest = std::max({size.x, size.y, size.z}), shortest = std::min({size.x, size.y, size.z});
-  if (body.medium.empty() || body.medium.least_sigma_t() * shortest < worth_depth) return;
-  DistanceGrid& grid = distances_[id];
-  grid.cell = longest / distance_cells;
-  grid.per_cell = 1 / grid.cell;
-  grid.low = bounds.low;
-  grid.size = glm::ivec3(glm::ceil(size * grid.per_cell)) + 1;
-  grid.distance.resize(static_cast<std::size_t>(grid.size.x) * static_cast<std::size_t>(grid.size.y) *
-                       static_cast<std::size_t>(grid.size.z));
-  tbb::parallel_for(0, grid.size.z, [&](int z) {
-    for (int y = 0; y < grid.size.y; ++y) {
-      float reach = INFINITY;  // the neighbour's distance and one cell bound this one's
-      for (int x = 0; x < grid.size.x; ++x) {
-        const glm::vec3 centre = grid.low + (glm::vec3(x, y, z) + 0.5f) * grid.cell;
-        const float d = distance_to_surface(centre, reach);
-        reach = d + grid.cell * (1 + 1e-3f);
-        const auto index =
-            (static_cast<std::size_t>(z) * static_cast<std::size_t>(grid.size.y) + static_cast<std::size_t>(y)) *
-                static_cast<std::size_t>(grid.size.x) +
-            static_cast<std::size_t>(x);
-        grid.distance[index] = d * (1 - rounding) - nudge_;
-      }
-    }
-  });
-}
-
-float World::clearance(std::uint32_t object, glm::vec3 point) const {
-  const DistanceGrid& grid = distances_[object];
-  if (grid.distance.empty()) return 0;
-  const glm::vec3 u = (point - grid.low) * grid.per_cell;
-  const glm::ivec3 cell = glm::clamp(glm::ivec3(u), glm::ivec3(0), grid.size - 1);
-  const glm::vec3 centre = grid.low + (glm::vec3(cell) + 0.5f) * grid.cell;
-  const auto index =
-      (static_cast<std::size_t>(cell.z) * static_cast<std::size_t>(grid.size.y) + static_cast<std::size_t>(cell.y)) *
-          static_cast<std::size_t>(grid.size.x) +
-      static_cast<std::size_t>(cell.x);
-  return grid.distance[index] - glm::length(point - centre);
+  const glm::vec3 size = shapes_[id].bounds.size();
+  if (body.medium.empty() || body.medium.least_sigma_t() * std::min({size.x, size.y, size.z}) < worth_depth) return;
+  std::vector<const Mesh*> surfaces;
+  for (const Shape& shape : shapes_) surfaces.push_back(&shape.mesh);
+  distances_[id] = DistanceGrid(shapes_[id].bounds, surfaces);
 }
 
 }  // namespace alabaster

@@ -9,6 +9,7 @@
 #include <memory>
 #include <vector>
 
+#include "reference/distance_grid.h"
 #include "reference/media.h"
 #include "reference/random.h"
 #include "scene/scene.h"
@@ -80,28 +81,27 @@ class World {
                     Hit& hit) const;
 
   /// A lower bound of the distance (m) from a point inside `object` to any surface; 0 where nothing is known.
-  float clearance(std::uint32_t object, glm::vec3 point) const;
+  float clearance(std::uint32_t object, glm::vec3 point) const { return distances_[object].clearance(point); }
 
   const Body& body(std::uint32_t object) const { return bodies_[object]; }
   float nudge() const { return nudge_; }  // m: rays that leave a surface start this far before it
   glm::vec3 environment() const { return environment_; }
   bool has_lights() const { return !light_weights_.empty(); }
   LightPoint sample_light(Random& random) const;
+  /// Whether a point cannot be inside `object`: its bounds do not hold it.
+  bool surely_outside(std::uint32_t object, glm::vec3 point) const {
+    const Bounds& bounds = shapes_[object].bounds;
+    return glm::any(glm::lessThan(point, bounds.low - nudge_)) ||
+           glm::any(glm::greaterThan(point, bounds.high + nudge_));
+  }
   /// The objects that hold `point`.
   Inside inside_at(glm::vec3 point) const;
 
  private:
   struct Shape {
-    std::vector<glm::vec3> positions;
-    std::vector<glm::uvec3> triangles;
-    std::vector<glm::vec3> normals;
-  };
-  /// Distances from cell centres to the nearest surface.
-  struct DistanceGrid {
-    glm::vec3 low{0};
-    float cell = 0, per_cell = 0;
-    glm::ivec3 size{0};
-    std::vector<float> distance;
+    Mesh mesh;
+    std::vector<glm::vec3> normals;  // of its triangles
+    Bounds bounds;
   };
   struct EmbreeRelease {
     void operator()(RTCDeviceTy* device) const { rtcReleaseDevice(device); }
@@ -109,11 +109,9 @@ class World {
   };
   struct Query;
   static void accept_or_reject(const RTCFilterFunctionNArguments* call);
-  static bool nearest_of(RTCPointQueryFunctionArguments* call);
   void add_geometry(std::uint32_t id);
   void add_lights(std::uint32_t id);
-  void build_distances(std::uint32_t id);
-  float distance_to_surface(glm::vec3 point, float no_further_than) const;
+  void measure_distances(std::uint32_t id);
 
   std::unique_ptr<RTCDeviceTy, EmbreeRelease> device_;
   std::unique_ptr<RTCSceneTy, EmbreeRelease> scene_;

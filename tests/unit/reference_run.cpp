@@ -74,6 +74,7 @@ TEST(ReferenceRun, LayersAddUpAndDescribeTheScene) {
   EXPECT_EQ(p.channels.at("multiple.R")[0], 0);
   EXPECT_EQ(std::get<double>(p.attributes.at("samplesPerPixel")), 12);
   EXPECT_EQ(std::get<double>(p.attributes.at("cappedPaths")), 0);
+  EXPECT_EQ(std::get<double>(p.attributes.at("leakedPaths")), 0);
 }
 
 TEST(ReferenceRun, ComponentsCanBeChosen) {
