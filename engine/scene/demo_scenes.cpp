@@ -109,18 +109,22 @@ void light(Scene& scene, Light kind) {
     scene.environment.radiance = glm::vec3(1);
     return;
   }
-  Object ground;
-  ground.name = "ground";
-  ground.mesh = transformed(quad(6, 6), translation({0, -gap, 0}));
-  ground.albedo = glm::vec3(0.4f);
-  scene.objects.push_back(ground);
   if (kind == Light::back) {
-    scene.objects.push_back(lamp("back", {0.12, 0.22, -0.3}, 0.12f, {90, 86, 80}));
-    scene.objects.push_back(lamp("key", {-0.25, 0.3, 0.3}, 0.12f, {10, 10, 11}));
+    scene.objects.push_back(lamp("back", {0.12, 0.22, -0.3}, 0.24f, {22, 21, 20}));
+    scene.objects.push_back(lamp("key", {-0.25, 0.3, 0.3}, 0.24f, {2.5f, 2.5f, 2.75f}));
   } else {
-    scene.objects.push_back(lamp("key", {-0.22, 0.3, 0.26}, 0.12f, {64, 60, 54}));
-    scene.objects.push_back(lamp("fill", {0.35, 0.2, 0.15}, 0.15f, {6, 7, 9}));
+    scene.objects.push_back(lamp("key", {-0.22, 0.3, 0.26}, 0.24f, {16, 15, 13.5f}));
+    scene.objects.push_back(lamp("fill", {0.35, 0.2, 0.15}, 0.3f, {1.5f, 1.75f, 2.25f}));
   }
+}
+
+/// Dark, because the renderer does not model the light that opaque surfaces send back to the object.
+Object ground() {
+  Object result;
+  result.name = "ground";
+  result.mesh = transformed(quad(6, 6), translation({0, -gap, 0}));
+  result.albedo = glm::vec3(0.06f);
+  return result;
 }
 
 /// Three quarters from the front and a little above, the bounding sphere filling the height.
@@ -157,7 +161,11 @@ std::vector<std::string> demo_scene_names() {
 
 Scene demo_scene(const std::string& name, const std::string& mesh_folder) {
   for (const Recipe& recipe : recipes())
-    if (recipe.name == name) return made(recipe, mesh_folder);
+    if (recipe.name == name) {
+      Scene scene = made(recipe, mesh_folder);
+      if (recipe.light != Light::furnace) scene.objects.push_back(ground());
+      return scene;
+    }
   char mesh[32];
   double paths, albedo, eta;
   int used = 0;
@@ -171,7 +179,7 @@ Scene demo_scene(const std::string& name, const std::string& mesh_folder) {
   double sigma_t = paths / height;
   Recipe recipe{name, mesh, Light::front, eta,
                 homogeneous(glm::dvec3(sigma_t * albedo), glm::dvec3(sigma_t * (1 - albedo)))};
-  return made(recipe, mesh_folder);
+  return made(recipe, mesh_folder);  // studies compare the object alone: no ground
 }
 
 }  // namespace alabaster
