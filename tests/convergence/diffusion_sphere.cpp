@@ -1,99 +1,136 @@
-// The whole solver on spheres whose fluence is known.
-#include "diffusion/diffusion.h"
-#include "shared/optics.h"
-#include "scene/shapes.h"
-#include "support/device.h"
+// The whole solver on bodies whose fluence is known.
+#include "support/diffusion_device.h"
 
 namespace alabaster {
 namespace {
 
+class DiffusionConvergence : public GpuTest {};
+
 struct Sphere {
   double R = 0.5, kappa = 0.02, sigma_a = 0.5, eta = 1.3;
 
-  double A() const { return boundary_constant(internal_diffuse_reflectance(eta)); }
   /// phi(R) for the boundary value q: phi = C sinh(r/l)/r.
   double surface(double q) const {
     if (sigma_a == 0) return q;
-    const double l = std::sqrt(kappa / sigma_a), s = std::sinh(R / l) / R;
-    return q * s / (s + 2 * A() * kappa * (std::cosh(R / l) / (l * R) - std::sinh(R / l) / (R * R)));
+    const double l = std::sqrt(kappa / sigma_a), s = std::sinh(R / l) / R, A = boundary_constant(internal_diffuse_reflectance(eta));
+    return q * s / (s + 2 * A * kappa * (std::cosh(R / l) / (l * R) - std::sinh(R / l) / (R * R)));
   }
 };
 
-/// Trilinear, as the raster pass samples it.
-double sample(const std::vector<float>& rgba, const GridFrame& frame, glm::dvec3 world, int channel) {
-  const glm::dvec3 p = (world - glm::dvec3(frame.origin)) / double(frame.h) - 0.5;
-  const glm::ivec3 low = glm::ivec3(glm::floor(p));
-  const glm::dvec3 f = p - glm::dvec3(low);
-  double sum = 0;
-  for (int c = 0; c < 8; ++c) {
-    const glm::ivec3 up{c & 1, c >> 1 & 1, c >> 2}, cell = low + up;
-    double w = 1;
-    for (int a = 0; a < 3; ++a) w *= up[a] ? f[a] : 1 - f[a];
-    sum += w * rgba[4 * (cell.x + std::size_t(frame.cells.x) * (cell.y + std::size_t(frame.cells.y) * cell.z)) + channel];
-  }
-  return sum;
+SurfaceError sphere_error(gpu::Context& context, const Sphere& sphere, int n, int corrections, Solved* solved = nullptr) {
+  const Mesh mesh = icosphere(6, static_cast<float>(sphere.R));
+  SolverOptions options;
+  options.corrections = corrections;
+  Body body(context, mesh, n, uniform_medium(sphere.kappa, sphere.sigma_a), 1, sphere.eta, options);
+  const Solved s = body.solve(glm::vec3(1));
+  EXPECT_TRUE(s.status.converged) << s.status.reason;
+  EXPECT_LT(s.energy.imbalance(), 1e-4);
+  if (solved) *solved = s;
+  const double expected = sphere.surface(dsbc_source(1.0, body.f_dt()));
+  return surface_error(body, mesh, [&](glm::dvec3) { return expected; });
 }
 
-struct Outcome {
-  SolverStatus status;
-  double l2 = 0, bias = 0, worst = 0;  // relative, of the surface fluence
-  double imbalance = 0;
-};
-
-class DiffusionSphere : public GpuTest {
- protected:
-  DiffusionPasses solver_passes{context};
-  FluencePasses passes{context};
-  DomainMaker maker{context};
-
-  Outcome run(const Sphere& sphere, int n, int channels = 1, float gamma = 1, const SolverOptions& options = {}) {
-    const Mesh mesh = icosphere(6, static_cast<float>(sphere.R));
-    const Domain domain = maker.make(mesh, choose_frame(bounds_of(mesh), n, 4));
-    const double sigma_s = 1 / (3 * sphere.kappa) - sphere.sigma_a;
-    const MediumField field = [&](glm::dvec3) { return MediumPoint{glm::dvec3(sigma_s), glm::dvec3(sphere.sigma_a)}; };
-    Diffusion diffusion(context, solver_passes, passes, domain, sample_medium(context, domain, field, channels), sphere.eta, options);
-    const gpu::Buffer gamma_s = gpu::make_buffer(context, std::vector<glm::vec3>(domain.summary.cut_cells + 1, glm::vec3(gamma)), "gamma_s");
-    Outcome outcome;
-    outcome.status = diffusion.solve(gamma_s);
-    outcome.imbalance = diffusion.energy(gamma_s).imbalance();
-    const double expected = sphere.surface(dsbc_source(double(gamma), 1 - internal_diffuse_reflectance(sphere.eta)));
-    const std::vector<float> rgba = gpu::download<float>(context, diffusion.surface());
-    const double points = static_cast<double>(mesh.positions.size());  // the vertices lie on the sphere
-    for (const glm::vec3& p : mesh.positions) {
-      const double e = sample(rgba, domain.frame, p, channels - 1) / expected - 1;
-      outcome.l2 += e * e / points;
-      outcome.bias += e / points;
-      outcome.worst = std::max(outcome.worst, std::abs(e));
+// Required: 0.5% at 64^3 and first order. The corrected scheme is second order; 128^3 takes too long here (0.0095%).
+TEST_F(DiffusionConvergence, SphereIsSecondOrderAtTheSurface) {
+  double last = 0;
+  for (int n : {16, 32, 64}) {
+    const SurfaceError e = sphere_error(context, {}, n, 2);
+    printf("sphere %3d: L2 %.4f%% bias %+.4f%% worst %.3f%%\n", n, 100 * e.l2, 100 * e.bias, 100 * e.worst);
+    if (last > 0) {
+      EXPECT_GT(std::log2(last / e.l2), 1.7);
     }
-    outcome.l2 = std::sqrt(outcome.l2);
-    return outcome;
+    last = e.l2;
   }
-};
-
-TEST_F(DiffusionSphere, SurfaceFluenceConverges) {
-  for (int corrections : {0, 2}) { double last = 0;
-  for (int n : {16, 32, 64, 128}) {
-    SolverOptions options; options.corrections = corrections;
-    const Outcome o = run({}, n, 1, 1, options);
-    printf("n %3d  l2 %.4f%%  bias %+.4f%%  worst %.3f%%  order %.2f  iterations %d  residual %.1e  imbalance %.1e\n", n, 100 * o.l2, 100 * o.bias,
-           100 * o.worst, last > 0 ? std::log2(last / o.l2) : 0.0, o.status.iterations, o.status.relative_residual[0], o.imbalance);
-    EXPECT_TRUE(o.status.converged) << o.status.reason;
-    EXPECT_LT(o.imbalance, 1e-4);
-    last = o.l2;
-  }}
+  EXPECT_LT(last, 0.0005);
 }
 
-TEST_F(DiffusionSphere, FurnaceIsFlat) {
+TEST_F(DiffusionConvergence, SphereIsFirstOrderWithoutCorrection) {
+  double last = 0;
+  for (int n : {16, 32, 64}) {
+    const SurfaceError e = sphere_error(context, {}, n, 0);
+    printf("sphere, uncorrected %3d: L2 %.4f%%\n", n, 100 * e.l2);
+    if (last > 0) {
+      EXPECT_LT(e.l2, 0.7 * last);
+    }
+    last = e.l2;
+  }
+  EXPECT_LT(last, 0.005);
+}
+
+TEST_F(DiffusionConvergence, AnOpaqueSphereGivesBackItsLight) {
   Sphere sphere;
   sphere.sigma_a = 0;
   for (double eta : {1.0, 1.3, 1.5}) {
     sphere.eta = eta;
-    const Outcome o = run(sphere, 32, 3);
-    printf("eta %.1f worst %.2e iterations %d imbalance %.1e\n", eta, o.worst, o.status.iterations, o.imbalance);
-    EXPECT_TRUE(o.status.converged) << o.status.reason;
-    EXPECT_LT(o.worst, 1e-4);
-    EXPECT_LT(o.imbalance, 1e-4);
+    Solved s;
+    const SurfaceError e = sphere_error(context, sphere, 32, 2, &s);
+    EXPECT_LT(e.worst, 1e-4) << eta;
+    EXPECT_NEAR(s.energy.out[0] / s.energy.in[0], 1, 1e-5) << eta;
   }
+}
+
+// phi = exp(a.x) solves the equation where kappa = k0 exp(b.x) and sigma_a = kappa a.(a + b); q follows on any surface.
+// kappa varies 100-fold over the body.
+TEST_F(DiffusionConvergence, ManufacturedSolutionWithHundredfoldKappa) {
+  const double k0 = 0.004;
+  const glm::dvec3 a(1.2, -0.8, 1.5), b = glm::normalize(glm::dvec3(2, 1, 1)) * std::log(100.0);
+  const auto phi = [&](glm::dvec3 p) { return std::exp(glm::dot(a, p)); };
+  const auto kappa = [&](glm::dvec3 p) { return k0 * std::exp(glm::dot(b, p)); };
+  const MediumField field = [&](glm::dvec3 p) {
+    const double sigma_a = kappa(p) * glm::dot(a, a + b);
+    return MediumPoint{glm::dvec3(1 / (3 * kappa(p)) - sigma_a), glm::dvec3(sigma_a)};
+  };
+  const Mesh mesh = icosphere(6, 0.5f);
+  const double A = boundary_constant(internal_diffuse_reflectance(1.3));
+  double last = 0;
+  for (int n : {16, 32, 64}) {
+    Body body(context, mesh, n, field);
+    std::vector<glm::vec3> gamma(body.cut_cells().size());
+    for (std::size_t i = 1; i < gamma.size(); ++i) {
+      const GpuFacet& facet = body.cut_cells()[i].facet;
+      const glm::dvec3 p = body.facet_centre(i);
+      const double slope = glm::dot(a, glm::dvec3(facet.area_vector) / double(facet.area));
+      gamma[i] = glm::vec3(static_cast<float>(0.25 * body.f_dt() * phi(p) * (1 + 2 * A * kappa(p) * slope)));
+    }
+    const Solved s = body.solve(gamma);
+    EXPECT_TRUE(s.status.converged) << s.status.reason;
+    EXPECT_LT(s.energy.imbalance(), 1e-4);
+    const SurfaceError e = surface_error(body, mesh, phi);
+    printf("manufactured %3d: L2 %.4f%% worst %.3f%% iterations %d\n", n, 100 * e.l2, 100 * e.worst, s.status.iterations);
+    if (last > 0) {
+      EXPECT_GT(std::log2(last / e.l2), 1.5);
+    }
+    last = e.l2;
+  }
+  EXPECT_LT(last, 0.002);
+}
+
+// A slab cut out of an infinite one: the sides get the value that makes no flux.
+TEST_F(DiffusionConvergence, SlabOfTwoExponentials) {
+  const double kappa = 0.02, sigma_a = 0.5, l = std::sqrt(kappa / sigma_a), A = boundary_constant(internal_diffuse_reflectance(1.3));
+  const auto phi = [&](glm::dvec3 p) { return std::exp(p.y / l) + 0.3 * std::exp(-p.y / l); };
+  const auto slope = [&](glm::dvec3 p) { return (std::exp(p.y / l) - 0.3 * std::exp(-p.y / l)) / l; };
+  const Mesh mesh = box({0.8f, 0.31f, 0.8f}, 16);
+  double last = 0;
+  for (int n : {16, 32, 64}) {
+    Body body(context, mesh, n, uniform_medium(kappa, sigma_a));
+    std::vector<glm::vec3> gamma(body.cut_cells().size());
+    for (std::size_t i = 1; i < gamma.size(); ++i) {
+      const GpuFacet& facet = body.cut_cells()[i].facet;
+      const glm::dvec3 p = body.facet_centre(i);
+      const double q = phi(p) + 2 * A * kappa * slope(p) * double(facet.area_vector.y / facet.area);
+      gamma[i] = glm::vec3(static_cast<float>(0.25 * body.f_dt() * q));
+    }
+    const Solved s = body.solve(gamma);
+    EXPECT_TRUE(s.status.converged) << s.status.reason;
+    const SurfaceError e = surface_error(body, mesh, phi);
+    printf("slab %3d: L2 %.4f%% worst %.3f%%\n", n, 100 * e.l2, 100 * e.worst);
+    if (last > 0) {
+      EXPECT_LT(e.l2, 0.6 * last);
+    }
+    last = e.l2;
+  }
+  EXPECT_LT(last, 0.005);
 }
 
 }  // namespace
