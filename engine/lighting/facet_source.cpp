@@ -13,9 +13,11 @@ FacetSource::FacetSource(gpu::Context& context, const Domain& domain)
       flux_(context, 2 * count_ * sizeof(glm::vec3), "facet flux"),
       gamma_s_(context, count_ * sizeof(glm::vec3), "facet Gamma_s") {}
 
-void FacetSource::record(gpu::Commands& commands, const Lighting& lighting, const gpu::Buffer& media, double eta) const {
+void FacetSource::record(gpu::Commands& commands, const Lighting& lighting, const gpu::Buffer& media,
+                         double eta) const {
   const FacetPush push{domain_.frame.origin, domain_.frame.h, count_};
-  commands.dispatch(receivers_pass_, {2 * count_, 1, 1}, {{"cut_cells", domain_.cut_cells}, {"receivers", receivers_}}, push);
+  commands.dispatch(receivers_pass_, {2 * count_, 1, 1}, {{"cut_cells", domain_.cut_cells}, {"receivers", receivers_}},
+                    push);
   lighting.record_gather(commands, receivers_, 2 * count_, eta, flux_);
   commands.dispatch(source_pass_, {count_, 1, 1},
                     {{"cut_cells", domain_.cut_cells}, {"flux", flux_}, {"media", media}, {"gamma_s", gamma_s_}}, push);

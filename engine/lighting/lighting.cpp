@@ -56,7 +56,7 @@ Lighting::Lighting(gpu::Context& context, const Scene& scene, const SceneMeshes&
 }
 
 void Lighting::make_views(const Scene& scene, const LightSettings& settings) {
-  const Sphere focus = shadow_focus(scene);
+  const Focus focus = shadow_focus(scene);
   Bounds everything;
   for (const SceneMeshes::Range& range : meshes_.ranges)
     if (range.count) everything.add(range.bounds.low), everything.add(range.bounds.high);

@@ -6,17 +6,16 @@
 namespace alabaster {
 namespace {
 
-Sphere sphere_around(const Scene& scene, const std::vector<std::size_t>& objects) {
+Focus around(const Scene& scene, const std::vector<std::size_t>& objects) {
+  Focus focus;
   Bounds box;
   for (std::size_t i : objects)
-    for (const glm::vec3& p : scene.objects[i].mesh.positions) box.add(p);
-  Sphere sphere;
-  if (box.low.x > box.high.x) return sphere;
-  sphere.centre = box.centre();
-  for (std::size_t i : objects)
-    for (const glm::vec3& p : scene.objects[i].mesh.positions)
-      sphere.radius = std::max(sphere.radius, glm::distance(glm::dvec3(p), sphere.centre));
-  return sphere;
+    for (const glm::vec3& p : scene.objects[i].mesh.positions) box.add(p), focus.points.push_back(p);
+  if (focus.points.empty()) return focus;
+  focus.centre = box.centre();
+  for (const glm::vec3& p : focus.points)
+    focus.radius = std::max(focus.radius, glm::distance(glm::dvec3(p), focus.centre));
+  return focus;
 }
 
 /// Right, down and forward of a viewer that looks along `forward`; right x down = forward.
@@ -44,25 +43,46 @@ ShadowView perspective(glm::dvec3 eye, const Axes& axes, double tangent, double 
           static_cast<float>(tangent)};
 }
 
+/// Half the edge of the square that holds all points, seen from `eye` at distance 1.
+double half_tangent(const Focus& focus, glm::dvec3 eye, const Axes& axes) {
+  double most = 0;
+  for (const glm::vec3& point : focus.points) {
+    const glm::dvec3 p = glm::dvec3(point) - eye;
+    const double x = std::abs(glm::dot(axes.right, p)), y = std::abs(glm::dot(axes.down, p));
+    most = std::max(most, std::max(x, y) / glm::dot(axes.forward, p));
+  }
+  return most;
+}
+
+/// The same from infinity, m.
+double half_edge(const Focus& focus, const Axes& axes) {
+  double most = 0;
+  for (const glm::vec3& point : focus.points) {
+    const glm::dvec3 p = glm::dvec3(point) - focus.centre;
+    most = std::max(most, std::max(std::abs(glm::dot(axes.right, p)), std::abs(glm::dot(axes.down, p))));
+  }
+  return most;
+}
+
 /// Room for the texels beside the outermost point that the 2x2 filter and the shift along the normal reach.
 double with_margin(double half_width, int map_size) { return half_width * (1 + 8.0 / map_size); }
 
 }  // namespace
 
-Sphere shadow_focus(const Scene& scene) {
+Focus shadow_focus(const Scene& scene) {
   std::vector<std::size_t> chosen, others;
   for (std::size_t i = 0; i < scene.objects.size(); ++i) {
     const Role role = scene.objects[i].role;
     if (role == Role::translucent) chosen.push_back(i);
     if (role == Role::opaque) others.push_back(i);
   }
-  if (chosen.empty()) return sphere_around(scene, others);
-  Sphere focus = sphere_around(scene, chosen);
+  if (chosen.empty()) return around(scene, others);
+  Focus focus = around(scene, chosen);
   const double most = 2 * focus.radius;
   for (std::size_t i : others) {
     std::vector<std::size_t> more = chosen;
     more.push_back(i);
-    const Sphere grown = sphere_around(scene, more);
+    const Focus grown = around(scene, more);
     if (grown.radius > most) continue;
     chosen = more;
     focus = grown;
@@ -70,7 +90,7 @@ Sphere shadow_focus(const Scene& scene) {
   return focus;
 }
 
-std::vector<ShadowView> point_views(const LightSample& sample, const Sphere& focus, double nearest, int map_size) {
+std::vector<ShadowView> point_views(const LightSample& sample, const Focus& focus, double nearest, int map_size) {
   const glm::dvec3 eye = sample.position, normal = sample.normal;
   const glm::dvec3 way = focus.centre - eye;
   const double distance = glm::length(way);
@@ -78,8 +98,11 @@ std::vector<ShadowView> point_views(const LightSample& sample, const Sphere& foc
   const double near = std::max(0.5 * nearest, 1e-3 * std::max(distance, focus.radius));
   constexpr double widest = 0.8660254037844386;  // sine of 60 degrees
   if (focus.radius < widest * distance) {
-    const double tangent = focus.radius / std::sqrt(distance * distance - focus.radius * focus.radius);
-    return {perspective(eye, axes_along(way / distance), with_margin(tangent, map_size), near)};
+    const Axes axes = axes_along(way / distance);
+    const double tangent = focus.points.empty()
+                               ? focus.radius / std::sqrt(distance * distance - focus.radius * focus.radius)
+                               : half_tangent(focus, eye, axes);
+    return {perspective(eye, axes, with_margin(tangent, map_size), near)};
   }
   // A face of the cube reaches 1 / sqrt(3) of its far corner's distance, and so does its near plane.
   const Axes a = axes_along(normal);
@@ -91,9 +114,10 @@ std::vector<ShadowView> point_views(const LightSample& sample, const Sphere& foc
   return views;
 }
 
-ShadowView direction_view(glm::vec3 from, const Sphere& focus, const Bounds& scene, int map_size) {
+ShadowView direction_view(glm::vec3 from, const Focus& focus, const Bounds& scene, int map_size) {
   const Axes axes = axes_along(-glm::normalize(glm::dvec3(from)));
-  const double half_width = with_margin(std::max(focus.radius, 1e-9), map_size);
+  const double half = focus.points.empty() ? focus.radius : half_edge(focus, axes);
+  const double half_width = with_margin(std::max(half, 1e-9), map_size);
   double low = -focus.radius, high = focus.radius;  // of depth along the light, from the focus
   for (int corner = 0; corner < 8; ++corner) {
     const glm::dvec3 p = {(corner & 1 ? scene.high : scene.low).x, (corner & 2 ? scene.high : scene.low).y,

@@ -9,21 +9,23 @@
 
 namespace alabaster {
 
-struct Sphere {
-  glm::dvec3 centre{0};  // m
-  double radius = 0;     // m
+/// What maps are fitted to: a sphere, and inside it the points that count (none: the sphere itself).
+struct Focus {
+  glm::dvec3 centre{0};           // m
+  double radius = 0;              // m
+  std::vector<glm::vec3> points;  // m
 };
 
-/// The sphere around the translucent objects (all objects where there is none), grown by any other object that is no
+/// The translucent objects (all objects where there is none), grown by any other object that is no
 /// light as long as that at most doubles the radius.
-Sphere shadow_focus(const Scene& scene);
+Focus shadow_focus(const Scene& scene);
 
 /// Maps of one area sample: one that looks at `focus`, or, where the sample lies so near that this would be wider than
 /// 120 degrees, the five or six faces of a cube around it. None where all of `focus` is behind a one-sided light.
 /// `nearest` is the distance of the nearest caster, m: nothing in front of the near plane casts.
-std::vector<ShadowView> point_views(const LightSample& sample, const Sphere& focus, double nearest, int map_size);
+std::vector<ShadowView> point_views(const LightSample& sample, const Focus& focus, double nearest, int map_size);
 
 /// Orthographic map of light that comes from direction `from`; `scene` bounds all casters.
-ShadowView direction_view(glm::vec3 from, const Sphere& focus, const Bounds& scene, int map_size);
+ShadowView direction_view(glm::vec3 from, const Focus& focus, const Bounds& scene, int map_size);
 
 }  // namespace alabaster

@@ -10,7 +10,9 @@ ALABASTER_BEGIN_SHARED
 struct Receiver {
   vec3 position;  // m
   vec3 normal;    // unit, outward
-  float slack;    // m; how far the point may lie off the surface it stands for. Nothing so near can shadow it.
+  // m; how far the point may lie off the surface it stands for: it is lifted by that much, so nothing so near shadows it.
+  // A tenth of a cell for facets of cut cells (more lets light in where things touch), 0 for points of the mesh itself.
+  float slack;
 };
 
 // One sample of an area light.

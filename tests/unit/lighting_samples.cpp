@@ -93,7 +93,7 @@ TEST(ShadowViews, FocusIsOnTranslucentThingsAndTheirNeighbours) {
   scene.objects = {solid(Role::translucent, icosphere(3, 1)), solid(Role::opaque, quad(100, 100)),
                    solid(Role::opaque, transformed(box({0.2f, 2, 0.2f}), translation({1.3, 0, 0}))),
                    light(transformed(quad(1, 1), translation({0, 5, 0})), {1, 1, 1})};
-  const Sphere focus = shadow_focus(scene);
+  const Focus focus = shadow_focus(scene);
   EXPECT_GT(focus.radius, 1.1);
   EXPECT_LT(focus.radius, 2);
   scene.objects.erase(scene.objects.begin() + 2);
@@ -102,7 +102,7 @@ TEST(ShadowViews, FocusIsOnTranslucentThingsAndTheirNeighbours) {
 }
 
 TEST(ShadowViews, HoldTheFocusWhole) {
-  const Sphere focus{{1, 2, 3}, 0.5};
+  const Focus focus{{1, 2, 3}, 0.5, {}};
   LightSample sample;
   for (double distance : {0.1, 0.5, 0.57, 0.6, 1.0, 50.0}) {
     sample.position = glm::vec3(focus.centre + glm::dvec3(0, distance, 0));
@@ -140,6 +140,25 @@ TEST(ShadowViews, HoldTheFocusWhole) {
     }
     // Nearer to where the light comes from is nearer in depth.
     EXPECT_LT((view.to_clip * glm::vec4(from, 1)).z, (view.to_clip * glm::vec4(-from, 1)).z);
+  }
+}
+
+TEST(ShadowViews, FitTightlyAroundThePoints) {
+  Scene scene;  // a flat plate seen face on fills the map; the sphere around it is 1.4 times as wide
+  scene.objects = {solid(Role::translucent, box({1, 0.02f, 1}))};
+  const Focus focus = shadow_focus(scene);
+  LightSample sample;
+  sample.position = {0.3f, 5, 0.2f};
+  sample.normal = {0, -1, 0};
+  const ShadowView near = point_views(sample, focus, 1, 512).at(0);
+  const ShadowView far = direction_view({0.1f, 1, 0}, focus, bounds_of(scene.objects[0].mesh), 512);
+  for (const ShadowView& view : {near, far}) {
+    float widest = 0;
+    for (const glm::vec3& p : scene.objects[0].mesh.positions) {
+      const glm::vec4 clip = view.to_clip * glm::vec4(p, 1);
+      widest = std::max(widest, std::max(std::abs(clip.x), std::abs(clip.y)) / clip.w);
+    }
+    EXPECT_NEAR(widest, 1 / (1 + 8 / 512.0), 1e-4);  // four texels of margin
   }
 }
 
