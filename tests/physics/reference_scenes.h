@@ -95,7 +95,7 @@ inline Scene slab(double thickness, double width, Medium medium, double eta) {
   scene.objects.push_back(
       translucent(transformed(box({w, w, t}), translation({0, 0, -thickness / 2})), std::move(medium), eta));
   scene.objects.push_back(
-      opaque(transformed(box({4 * w, 4 * w, t}), translation({0, 0, -2 * thickness})), glm::vec3(0)));
+      opaque(transformed(box({4 * w, 4 * w, t}), translation({0, 0, -1.502 * thickness})), glm::vec3(0)));
   return scene;
 }
 
@@ -109,8 +109,8 @@ inline Estimate diffuse(const World& world, double thickness, bool transmitted, 
                         std::uint64_t seed) {
   const auto t = static_cast<float>(thickness);
   return radiance(world, paths, seed, [&](Random& random) {
-    if (transmitted) return Ray{{0.01f, 0.02f, -1.1f * t}, cosine_direction(random, 1)};
-    return Ray{{0.01f, 0.02f, 0.1f * t}, cosine_direction(random, -1)};
+    if (transmitted) return Ray{{0.01f, 0.02f, -1.001f * t}, cosine_direction(random, 1)};
+    return Ray{{0.01f, 0.02f, 0.001f * t}, cosine_direction(random, -1)};
   });
 }
 
@@ -118,7 +118,8 @@ inline Estimate diffuse(const World& world, double thickness, bool transmitted, 
 inline Estimate normal(const World& world, double thickness, bool transmitted, std::uint64_t paths,
                        std::uint64_t seed) {
   const auto t = static_cast<float>(thickness);
-  const Ray ray = transmitted ? Ray{{0.01f, 0.02f, -1.1f * t}, {0, 0, 1}} : Ray{{0.01f, 0.02f, 0.1f * t}, {0, 0, -1}};
+  const Ray ray =
+      transmitted ? Ray{{0.01f, 0.02f, -1.001f * t}, {0, 0, 1}} : Ray{{0.01f, 0.02f, 0.001f * t}, {0, 0, -1}};
   return radiance(world, paths, seed, [&](Random&) { return ray; });
 }
 
