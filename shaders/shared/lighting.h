@@ -11,7 +11,8 @@ struct Receiver {
   vec3 position;  // m
   vec3 normal;    // unit, outward
   // m; how far the point may lie off the surface it stands for: it is lifted by that much, so nothing so near shadows it.
-  // A tenth of a cell for facets of cut cells (more lets light in where things touch), 0 for points of the mesh itself.
+  // About a tenth of a cell for a bent facet of a cut cell (facet_receivers.comp; half a cell lets light in where things
+  // touch), 0 for points of the mesh itself.
   float slack;
 };
 
