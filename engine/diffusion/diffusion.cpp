@@ -32,7 +32,8 @@ FluencePasses::FluencePasses(gpu::Context& c)
     : assemble{c, "diffusion/operator.comp", {1}},
       scale{c, "diffusion/scale.comp"},
       facets{{c, "diffusion/facets.comp", {0}}, {c, "diffusion/facets.comp", {1}}},
-      source{{c, "diffusion/source.comp", {1, 1}}, {c, "diffusion/source.comp", {1, 0}}},
+      source{{c, "diffusion/source.comp", {1, 0}}, {c, "diffusion/source.comp", {1, 1}}},
+      rescale{c, "diffusion/rescale.comp", {1}},
       absorbed{c, "diffusion/absorbed.comp", {1}},
       energy{c, "diffusion/energy.comp"},
       gradient{c, "diffusion/gradient.comp"},
@@ -58,7 +59,7 @@ Diffusion::Diffusion(gpu::Context& context, const DiffusionPasses& solver_passes
       surface_(gpu::image3d(context, domain.frame.cells, VK_FORMAT_R32G32B32A32_SFLOAT, "surface fluence")),
       facets_(context, cut_count_ * sizeof(FacetMedium), "facet medium"),
       conductances_(context, std::size_t(medium.channels) * cut_count_ * sizeof(float), "facet conductances"),
-      scales_(context, medium.channels * sizeof(FluenceScale), "fluence scales"),
+      scales_(context, medium.channels * sizeof(FluenceScale), "fluence scales", gpu::Memory::host),
       gradients_(context, std::size_t(medium.channels) * cut_count_ * sizeof(glm::vec4), "surface gradients"),
       energy_sums_(context, medium.channels * sizeof(EnergySums), "energy sums", gpu::Memory::host),
       cell_sources_(context, std::size_t(medium.channels) * cut_count_ * sizeof(float), "cut cell sources"),
@@ -107,8 +108,13 @@ void Diffusion::record_source(gpu::Commands& commands, const gpu::Buffer& gamma_
                     surface_push());
   commands.dispatch(passes_.source[corrected], multigrid_.threads(0),
                     {{"tiles", tiles_.packed}, {"cut_index", domain_.cut_index}, {"cut_cells", domain_.cut_cells},
-                     {"cell_sources", cell_sources_}, {"face_fluxes", face_fluxes_}, {"scales", scales_}, {"rhs", pcg_.rhs()},
-                     {"high", pcg_.solution()}, {"low", pcg_.solution_rest()}},
+                     {"cell_sources", cell_sources_}, {"face_fluxes", face_fluxes_}, {"rhs", pcg_.rhs()}},
+                    surface_push());
+}
+
+void Diffusion::record_rescale(gpu::Commands& commands) {
+  commands.dispatch(passes_.rescale, multigrid_.threads(0),
+                    {{"tiles", tiles_.packed}, {"scales", scales_}, {"high", pcg_.solution()}, {"low", pcg_.solution_rest()}},
                     surface_push());
 }
 
@@ -129,17 +135,25 @@ void Diffusion::record_surface(gpu::Commands& commands) {
                     surface_push());
 }
 
+// Puts the units of fluence in place. True where the solution and the gradients of before are of use for this light.
+bool Diffusion::adopt_light(const gpu::Buffer& gamma_s) {
+  gpu::Commands commands(context_);
+  commands.dispatch(passes_.scale, {256 * multigrid_.channels(), 1, 1}, {{"gamma_s", gamma_s}, {"scales", scales_}}, surface_push());
+  commands.submit();
+  const FluenceScale* scales = static_cast<const FluenceScale*>(scales_.mapped());
+  return std::all_of(scales, scales + multigrid_.channels(), [](const FluenceScale& s) { return s.ratio >= 0.25f && s.ratio <= 4; });
+}
+
 // The corrections converge about as fast as the solver does, so the early solves need no more digits than they bring.
 SolverStatus Diffusion::solve(const gpu::Buffer& gamma_s) {
   SolverStatus status;
   int iterations = 0;
+  const bool warm = adopt_light(gamma_s);
   for (int pass = 0; pass <= options_.corrections; ++pass) {
     gpu::Commands commands(context_);
-    if (pass == 0)
-      commands.dispatch(passes_.scale, {256 * multigrid_.channels(), 1, 1}, {{"gamma_s", gamma_s}, {"scales", scales_}}, surface_push());
-    else
-      record_gradients(commands, gamma_s);
-    record_source(commands, gamma_s, pass > 0);
+    if (pass == 0) record_rescale(commands);
+    if (pass > 0) record_gradients(commands, gamma_s);
+    record_source(commands, gamma_s, options_.corrections > 0 && (pass > 0 || warm));
     commands.submit();
     const double reached = pass == options_.corrections ? 0.0 : std::pow(10.0, -2 - pass);
     status = pcg_.solve(std::max(options_.tolerance, reached));
@@ -165,7 +179,7 @@ EnergyBalance Diffusion::energy(const gpu::Buffer& gamma_s) {
                      {"partials", pcg_.partials()}, {"facet_offsets", facet_offsets_}, {"phi", pcg_.solution()}, {"sums", energy_sums_}},
                     EnergyPush{surface_push(), pcg_.partials_per_channel()});
   commands.submit();
-  const std::vector<FluenceScale> scales = gpu::download<FluenceScale>(context_, scales_);
+  const FluenceScale* scales = static_cast<const FluenceScale*>(scales_.mapped());
   const EnergySums* sums = static_cast<const EnergySums*>(energy_sums_.mapped());
   EnergyBalance balance;
   for (int c = 0; c < 3; ++c) {

@@ -11,7 +11,7 @@ namespace alabaster {
 /// The passes around the linear solver, made once a context.
 struct FluencePasses {
   explicit FluencePasses(gpu::Context& context);
-  gpu::Pass assemble, scale, facets[2], source[2], absorbed, energy, gradient, surface;  // [corrected]
+  gpu::Pass assemble, scale, facets[2], source[2], rescale, absorbed, energy, gradient, surface;  // [corrected]
 };
 
 /// Where a channel's light went, W: in = integral Gamma_s; absorbed = integral sigma_a phi; out = what the render query
@@ -52,6 +52,8 @@ class Diffusion {
 
  private:
   SurfacePush surface_push() const;
+  bool adopt_light(const gpu::Buffer& gamma_s);
+  void record_rescale(gpu::Commands& commands);
   void record_source(gpu::Commands& commands, const gpu::Buffer& gamma_s, bool corrected);
   void record_gradients(gpu::Commands& commands, const gpu::Buffer& gamma_s);
   void record_surface(gpu::Commands& commands);

@@ -2,7 +2,7 @@
 //
 // The first-order matrix takes phi at the centroids as if they lay on the line through the wetted face's centroid (or
 // below the facet's). With the gradients g of the solution before, phi is carried there: o = g . (tangential offset), and
-// a face's flux becomes T ((phi_j + o_j) - (phi_i + o_i)): deferred correction, second order. |o| <= phi / 2 keeps the
+// a face's flux becomes T ((phi_j + o_j) - (phi_i + o_i)): deferred correction, second order. |o| <= phi / 4 keeps the
 // fluence positive. Both sides compute the same flux, so the light is conserved.
 #version 460
 #extension GL_EXT_scalar_block_layout : require
@@ -24,7 +24,7 @@ layout(binding = 10, scalar) writeonly buffer FacetOffsets { float facet_offsets
 
 float offset_value(uint index, int channel, vec3 away) {
   vec4 g = gradients[channel * push.count + index];
-  return clamp(dot(g.xyz, away), -0.5 * abs(g.w), 0.5 * abs(g.w));
+  return clamp(dot(g.xyz, away), -0.25 * abs(g.w), 0.25 * abs(g.w));
 }
 
 // Towards face `f` of cell `index`; entry 0, a whole cell, has no offset.

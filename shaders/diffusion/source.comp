@@ -1,17 +1,13 @@
-// The right-hand side from what facets.comp left for the cut cells and their faces, and (first of a solve) the solution of
-// before in the new unit.
+// The right-hand side from what facets.comp left for the cut cells and their faces.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #define LEVEL_PUSH SurfacePush
 #include "diffusion/level.glsl"
 #include "diffusion/cut.glsl"
-layout(constant_id = 1) const int first = 1;
+layout(constant_id = 1) const int corrected = 0;
 layout(binding = 3, scalar) readonly buffer CellSources { float cell_sources[]; };  // [channel][cut cell]
 layout(binding = 4, scalar) readonly buffer FaceFluxes { float face_fluxes[]; };    // [channel][cut cell][face]
-layout(binding = 5, scalar) readonly buffer Scales { FluenceScale scales[]; };
 layout(binding = 6, rgba32f) uniform writeonly image3D rhs;
-layout(binding = 7, rgba32f) uniform image3D high;
-layout(binding = 8, rgba32f) uniform image3D low;
 
 // What the cut cells around a whole cell send into it: entry 0 sends nothing.
 float from_neighbours(ivec3 cell, int channel) {
@@ -33,11 +29,7 @@ void main() {
     ivec3 c = cell + ivec3(lane, 0, 0);
     uint index = cut_at(c);
     b[lane] = cell_sources[channel * push.count + index];
-    if (first == 0 && index == 0) b[lane] = from_neighbours(c, channel);
+    if (corrected != 0 && index == 0) b[lane] = from_neighbours(c, channel);
   }
   imageStore(rhs, t, b);
-  if (first == 0) return;
-  float ratio = scales[channel].ratio;
-  imageStore(high, t, ratio * imageLoad(high, t));
-  imageStore(low, t, ratio * imageLoad(low, t));
 }

@@ -54,7 +54,7 @@ class Body {
     const std::vector<float> low = gpu::download<float>(context_, diffusion_.pcg().solution_rest());
     const std::vector<FluenceScale> scales = gpu::download<FluenceScale>(context_, diffusion_.scales());
     FluenceField field{{}, domain_.frame.cells};
-    const std::size_t cells = high.size() / scales.size();
+    const std::size_t cells = high.size() / diffusion_.multigrid().channels();
     for (std::size_t i = 0; i < high.size(); ++i) field.phi.push_back((double(high[i]) + low[i]) * scales[i / cells].unit);
     return field;
   }
