@@ -44,14 +44,16 @@ Run run_once(const Arguments& a, const fs::path& scratch) {
 
   const auto start = std::chrono::steady_clock::now();
   pid_t child = 0;
-  if (posix_spawn(&child, renderer.c_str(), nullptr, nullptr, argv.data(), environ) != 0) throw UserError(renderer + " cannot be started; build it first");
+  if (posix_spawn(&child, renderer.c_str(), nullptr, nullptr, argv.data(), environ) != 0)
+    throw UserError(renderer + " cannot be started; build it first");
   int status = 0;
   rusage usage{};
   wait4(child, &status, 0, &usage);
   Run run;
   run.wall_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
   run.peak_mib = static_cast<double>(usage.ru_maxrss) / 1024;
-  if (!WIFEXITED(status) || WEXITSTATUS(status) != 0) throw UserError("alabaster render " + a.scene + " failed; run it by itself to see why");
+  if (!WIFEXITED(status) || WEXITSTATUS(status) != 0)
+    throw UserError("alabaster render " + a.scene + " failed; run it by itself to see why");
   std::ifstream file(stats);
   run.stages = nlohmann::json::parse(file).at("stages").get<std::map<std::string, double>>();
   return run;
@@ -77,8 +79,8 @@ void run_stages(const Arguments& a) {
     std::printf("| %s | %.1f |\n", name.c_str(), median(values));
     json["stages"][name] = median(values);
   }
-  std::printf("| whole process | %.0f (%.0f to %.0f) |\n| peak memory, MiB | %.0f |\n", median(wall), *std::min_element(wall.begin(), wall.end()),
-              *std::max_element(wall.begin(), wall.end()), median(peak));
+  std::printf("| whole process | %.0f (%.0f to %.0f) |\n| peak memory, MiB | %.0f |\n", median(wall),
+              *std::min_element(wall.begin(), wall.end()), *std::max_element(wall.begin(), wall.end()), median(peak));
   if (!a.json.empty()) write_whole_file(a.json, json.dump(2) + "\n");
 }
 

@@ -33,7 +33,8 @@ std::optional<int> parse_grid(const std::string& text) {
 void check_writable(const std::string& path) {
   namespace fs = std::filesystem;
   const fs::path folder = fs::path(path).has_parent_path() ? fs::path(path).parent_path() : fs::path(".");
-  if (!fs::is_directory(folder)) throw UserError(path + ": its folder " + folder.string() + " does not exist; make it first");
+  if (!fs::is_directory(folder))
+    throw UserError(path + ": its folder " + folder.string() + " does not exist; make it first");
   if (fs::is_directory(path)) throw UserError(path + ": is a folder; name a file in it");
   // Tried, not asked: for root every folder claims to be writable.
   const std::string probe = path + ".probe-" + std::to_string(getpid());

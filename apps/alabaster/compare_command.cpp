@@ -23,11 +23,14 @@ void run(const Arguments& a) {
     if (!path.empty()) check_writable(path);
   const Picture test = read_exr(a.test), reference = read_exr(a.reference);
   const Comparison result = compare(test, reference, options);
-  std::printf("%zu pixels, layer %s: relative RMSE %.2f %%, bias %+.2f %%, PSNR %.1f dB, 95th percentile %.2f %%, worst %.1f %% at (%d, %d)\n",
-              result.pixels, options.layer.c_str(), 100 * result.all.relative_rmse, 100 * result.all.bias, result.all.psnr,
-              100 * result.all.percentile95, 100 * result.all.worst, result.all.worst_x, result.all.worst_y);
+  std::printf(
+      "%zu pixels, layer %s: relative RMSE %.2f %%, bias %+.2f %%, PSNR %.1f dB, 95th percentile %.2f %%, worst %.1f "
+      "%% at (%d, %d)\n",
+      result.pixels, options.layer.c_str(), 100 * result.all.relative_rmse, 100 * result.all.bias, result.all.psnr,
+      100 * result.all.percentile95, 100 * result.all.worst, result.all.worst_x, result.all.worst_y);
   for (int c = 0; c < 3; ++c)
-    std::printf("  %c: relative RMSE %.2f %%, bias %+.2f %%\n", "RGB"[c], 100 * result.channel[c].relative_rmse, 100 * result.channel[c].bias);
+    std::printf("  %c: relative RMSE %.2f %%, bias %+.2f %%\n", "RGB"[c], 100 * result.channel[c].relative_rmse,
+                100 * result.channel[c].bias);
   if (result.z)
     std::printf("  Z-test: %.2f %% of the pixels beyond 3 sigma; relative RMSE without the reference's noise %.2f %%\n",
                 100 * result.z->rejected, 100 * result.z->corrected_rmse);
@@ -38,7 +41,8 @@ void run(const Arguments& a) {
 }  // namespace
 
 void add_compare(CLI::App& app) {
-  auto* command = app.add_subcommand("compare", "error figures of a picture against a reference, and a sheet that shows them");
+  auto* command =
+      app.add_subcommand("compare", "error figures of a picture against a reference, and a sheet that shows them");
   auto a = std::make_shared<Arguments>();
   command->add_option("test", a->test, "picture to judge (EXR)")->required();
   command->add_option("reference", a->reference, "reference picture (EXR)")->required();

@@ -15,10 +15,12 @@ void print_medium(const Object& object) {
   std::printf("    eta %.3g, g %.3g, ", object.eta, m.g);
   if (m.heterogeneous()) {
     const glm::dvec3 most = m.majorant();
-    std::printf("grid %d x %d x %d, sigma_t at most %.4g %.4g %.4g 1/m\n", m.sigma_t->size.x, m.sigma_t->size.y, m.sigma_t->size.z, most.r, most.g, most.b);
+    std::printf("grid %d x %d x %d, sigma_t at most %.4g %.4g %.4g 1/m\n", m.sigma_t->size.x, m.sigma_t->size.y,
+                m.sigma_t->size.z, most.r, most.g, most.b);
     return;
   }
-  std::printf("sigma_s %.4g %.4g %.4g, sigma_a %.4g %.4g %.4g 1/m\n", sigma_s.r, sigma_s.g, sigma_s.b, sigma_a.r, sigma_a.g, sigma_a.b);
+  std::printf("sigma_s %.4g %.4g %.4g, sigma_a %.4g %.4g %.4g 1/m\n", sigma_s.r, sigma_s.g, sigma_s.b, sigma_a.r,
+              sigma_a.g, sigma_a.b);
   const glm::dvec3 reduced = sigma_s * (1 - m.g) + sigma_a;
   for (int c = 0; c < 3; ++c) {
     if (reduced[c] <= 0) {
@@ -26,9 +28,11 @@ void print_medium(const Object& object) {
       continue;
     }
     const double albedo = sigma_s[c] * (1 - m.g) / reduced[c];
-    std::printf("    %c: reduced mean free path %.4g mm, %.4g of them across, reduced albedo %.5f, ", "RGB"[c], 1e3 / reduced[c], extent * reduced[c], albedo);
+    std::printf("    %c: reduced mean free path %.4g mm, %.4g of them across, reduced albedo %.5f, ", "RGB"[c],
+                1e3 / reduced[c], extent * reduced[c], albedo);
     if (sigma_a[c] > 0)
-      std::printf("diffusion length %.4g mm%s\n", 1e3 / std::sqrt(3 * reduced[c] * sigma_a[c]), sigma_a[c] > 0.75 * reduced[c] ? "; absorbs too much for diffusion" : "");
+      std::printf("diffusion length %.4g mm%s\n", 1e3 / std::sqrt(3 * reduced[c] * sigma_a[c]),
+                  sigma_a[c] > 0.75 * reduced[c] ? "; absorbs too much for diffusion" : "");
     else
       std::printf("no absorption\n");
   }
@@ -42,18 +46,22 @@ void run(const std::string& path) {
   const Scene scene = load_scene(path);
   for (const Object& object : scene.objects) {
     const glm::dvec3 size = 1e3 * glm::dvec3(bounds_of(object.mesh).size());
-    std::printf("%s: %s, %zu triangles, %.4g x %.4g x %.4g mm\n", object.name.c_str(), role_name(object.role), object.mesh.triangles.size(), size.x, size.y, size.z);
+    std::printf("%s: %s, %zu triangles, %.4g x %.4g x %.4g mm\n", object.name.c_str(), role_name(object.role),
+                object.mesh.triangles.size(), size.x, size.y, size.z);
     if (object.role == Role::translucent) {
       std::printf("    watertight\n");  // load_scene() repairs or refuses others, and says so in its warnings
       print_medium(object);
     }
-    if (object.role == Role::emissive) std::printf("    radiance %.4g %.4g %.4g W/m^2/sr\n", object.radiance.r, object.radiance.g, object.radiance.b);
+    if (object.role == Role::emissive)
+      std::printf("    radiance %.4g %.4g %.4g W/m^2/sr\n", object.radiance.r, object.radiance.g, object.radiance.b);
   }
   for (const Camera& camera : scene.cameras) std::printf("camera %s\n", camera.name.c_str());
   if (scene.environment.radiance != glm::vec3(0))
-    std::printf("environment: radiance %.4g %.4g %.4g W/m^2/sr from every direction\n", scene.environment.radiance.r, scene.environment.radiance.g, scene.environment.radiance.b);
+    std::printf("environment: radiance %.4g %.4g %.4g W/m^2/sr from every direction\n", scene.environment.radiance.r,
+                scene.environment.radiance.g, scene.environment.radiance.b);
   const Plan plan = make_plan(scene, Request{}, UINT64_MAX / 16);
-  std::printf("render would use grid %d, %d light samples, %d environment directions:\n", plan.grid, plan.light_samples, plan.environment_samples);
+  std::printf("render would use grid %d, %d light samples, %d environment directions:\n", plan.grid, plan.light_samples,
+              plan.environment_samples);
   for (const std::string& reason : plan.reasons) std::printf("    %s\n", reason.c_str());
   for (const std::string& warning : scene.warnings) std::printf("warning: %s\n", warning.c_str());
 }

@@ -5,7 +5,8 @@
 #include "commands.h"
 
 int main(int argc, char** argv) {
-  CLI::App app("Translucent, heterogeneous solids from the diffusion equation, and the proof that they are right.", "alabaster");
+  CLI::App app("Translucent, heterogeneous solids from the diffusion equation, and the proof that they are right.",
+               "alabaster");
   app.require_subcommand(1);
   alabaster::add_render(app);
   alabaster::add_reference(app);

@@ -11,7 +11,8 @@ void add_merge(CLI::App& app) {
     std::vector<std::string> parts;
     std::string output;
   };
-  auto* command = app.add_subcommand("merge", "adds up parts of one reference rendered with different seeds, weighted by samples");
+  auto* command =
+      app.add_subcommand("merge", "adds up parts of one reference rendered with different seeds, weighted by samples");
   auto a = std::make_shared<Arguments>();
   command->add_option("parts", a->parts, "reference pictures (EXR)")->required();
   command->add_option("-o,--output", a->output, "their sum (EXR)")->required();

@@ -29,7 +29,9 @@ void run(const Arguments& a) {
   ReferenceOptions options = a.options;
   const glm::ivec2 size = parse_size(a.size);
   options.width = size.x, options.height = size.y;
-  const auto wants = [&](const char* name) { return std::find(a.components.begin(), a.components.end(), name) != a.components.end(); };
+  const auto wants = [&](const char* name) {
+    return std::find(a.components.begin(), a.components.end(), name) != a.components.end();
+  };
   options.multiple = wants("multiple"), options.single = wants("single"), options.surface = wants("surface");
   options.state_path = a.output + ".state";
   options.keep_state = options.resume;
@@ -54,14 +56,20 @@ void add_reference(CLI::App& app) {
   auto a = std::make_shared<Arguments>();
   command->add_option("scene", a->scene, "glTF 2.0 scene (.glb, .gltf)")->required();
   command->add_option("-o,--output", a->output, "picture (EXR)")->required();
-  command->add_option("--spp", a->options.samples, "samples a pixel")->check(CLI::Range(1, 1 << 24))->capture_default_str();
-  command->add_option("--noise", a->options.noise, "stop at this relative standard error over the object's pixels")->check(CLI::Range(0.0, 1.0));
+  command->add_option("--spp", a->options.samples, "samples a pixel")
+      ->check(CLI::Range(1, 1 << 24))
+      ->capture_default_str();
+  command->add_option("--noise", a->options.noise, "stop at this relative standard error over the object's pixels")
+      ->check(CLI::Range(0.0, 1.0));
   command->add_option("--size", a->size, "WIDTHxHEIGHT, pixels")->capture_default_str();
   command->add_option("--camera", a->options.camera, "its name (default: the first)");
-  command->add_option("--components", a->components, "multiple,single,surface")->delimiter(',')->check(CLI::IsMember({"multiple", "single", "surface"}));
+  command->add_option("--components", a->components, "multiple,single,surface")
+      ->delimiter(',')
+      ->check(CLI::IsMember({"multiple", "single", "surface"}));
   command->add_option("--seed", a->options.seed, "of the random numbers")->capture_default_str();
   command->add_option("--threads", a->options.threads, "0: all")->check(CLI::NonNegativeNumber)->capture_default_str();
-  command->add_flag("--resume", a->options.resume, "go on where an earlier run of the same command stopped, and keep its state (OUTPUT.state)");
+  command->add_flag("--resume", a->options.resume,
+                    "go on where an earlier run of the same command stopped, and keep its state (OUTPUT.state)");
   command->callback([a] { run(*a); });
 }
 

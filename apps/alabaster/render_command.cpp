@@ -27,16 +27,21 @@ Request request_of(const Arguments& a) {
   request.size = parse_size(a.size);
   request.grid = parse_grid(a.grid);
   request.transport = a.transport == "report" ? Transport::report : Transport::as_printed;
-  request.quality = a.quality == "preview" ? Quality::preview : a.quality == "accurate" ? Quality::accurate : Quality::balanced;
+  request.quality = a.quality == "preview"    ? Quality::preview
+                    : a.quality == "accurate" ? Quality::accurate
+                                              : Quality::balanced;
   request.components.clear();
-  for (const std::string& name : a.components) request.components.insert(name == "multiple" ? Component::multiple : Component::surface);
+  for (const std::string& name : a.components)
+    request.components.insert(name == "multiple" ? Component::multiple : Component::surface);
   if (a.light_samples > 0) request.light_samples = a.light_samples;
   return request;
 }
 
 void run(const Arguments& a) {
   using Clock = std::chrono::steady_clock;
-  const auto milliseconds = [](Clock::time_point since) { return std::chrono::duration<double, std::milli>(Clock::now() - since).count(); };
+  const auto milliseconds = [](Clock::time_point since) {
+    return std::chrono::duration<double, std::milli>(Clock::now() - since).count();
+  };
   for (const std::string& path : {a.output, a.png, a.stats})
     if (!path.empty()) check_writable(path);
 
@@ -57,13 +62,16 @@ void run(const Arguments& a) {
   result.stages["device"] = device_ms;
   for (const std::string& warning : result.warnings) std::fprintf(stderr, "warning: %s\n", warning.c_str());
   if (result.shaded.negative_pixels > 0)
-    std::fprintf(stderr, "warning: the query was negative and set to 0 at %zu pixels (%.2f %% of the object's): the medium absorbs too much there for diffusion\n",
+    std::fprintf(stderr,
+                 "warning: the query was negative and set to 0 at %zu pixels (%.2f %% of the object's): the medium "
+                 "absorbs too much there for diffusion\n",
                  result.shaded.negative_pixels, 100 * result.shaded.negative_share);
 
   start = Clock::now();
   describe(result, plan, context, result.shaded.picture);
   write_exr(result.shaded.picture, a.output, true);
-  if (!a.png.empty()) write_png(result.shaded.picture, a.png, a.exposure, a.curve == "filmic" ? Curve::filmic : Curve::srgb);
+  if (!a.png.empty())
+    write_png(result.shaded.picture, a.png, a.exposure, a.curve == "filmic" ? Curve::filmic : Curve::srgb);
   result.stages["write"] = milliseconds(start);
   if (!a.stats.empty()) write_whole_file(a.stats, stats_json(result, plan, context).dump(2) + "\n");
 }
@@ -77,16 +85,25 @@ void add_render(CLI::App& app) {
   command->add_option("-o,--output", a->output, "picture with layers (EXR)")->required();
   command->add_option("--png", a->png, "picture to look at (PNG)");
   command->add_option("--exposure", a->exposure, "of the PNG, stops")->check(CLI::Range(-64.0, 64.0));
-  command->add_option("--curve", a->curve, "of the PNG")->check(CLI::IsMember({"srgb", "filmic"}))->capture_default_str();
+  command->add_option("--curve", a->curve, "of the PNG")
+      ->check(CLI::IsMember({"srgb", "filmic"}))
+      ->capture_default_str();
   command->add_option("--stats", a->stats, "what was done, how long it took, how well it closed (JSON)");
   command->add_option("--size", a->size, "WIDTHxHEIGHT, pixels")->capture_default_str();
   command->add_option("--camera", a->request.camera, "its name (default: the first)");
   command->add_option("--grid", a->grid, "cells along the longest side of each object, or auto")->capture_default_str();
   command->add_option("--tolerance", a->request.tolerance, "relative residual of the solver")->capture_default_str();
-  command->add_option("--transport", a->transport, "how light enters and leaves")->check(CLI::IsMember({"report", "as-printed"}))->capture_default_str();
-  command->add_option("--components", a->components, "multiple,surface")->delimiter(',')->check(CLI::IsMember({"multiple", "surface"}));
-  command->add_option("--quality", a->quality, "preview, balanced, accurate")->check(CLI::IsMember({"preview", "balanced", "accurate"}))->capture_default_str();
-  command->add_option("--light-samples", a->light_samples, "points on area lights (default: by quality)")->check(CLI::Range(1, 1024));
+  command->add_option("--transport", a->transport, "how light enters and leaves")
+      ->check(CLI::IsMember({"report", "as-printed"}))
+      ->capture_default_str();
+  command->add_option("--components", a->components, "multiple,surface")
+      ->delimiter(',')
+      ->check(CLI::IsMember({"multiple", "surface"}));
+  command->add_option("--quality", a->quality, "preview, balanced, accurate")
+      ->check(CLI::IsMember({"preview", "balanced", "accurate"}))
+      ->capture_default_str();
+  command->add_option("--light-samples", a->light_samples, "points on area lights (default: by quality)")
+      ->check(CLI::Range(1, 1024));
   command->add_option("--device", a->device, "part of a Vulkan device's name (default: the best)");
   command->callback([a] { run(*a); });
 }

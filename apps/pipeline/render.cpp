@@ -12,7 +12,9 @@ namespace {
 class Stage {
  public:
   Stage(RenderResult& result, const std::string& name) : milliseconds_(result.stages[name]) {}
-  ~Stage() { milliseconds_ += std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start_).count(); }
+  ~Stage() {
+    milliseconds_ += std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start_).count();
+  }
   Stage(const Stage&) = delete;
   Stage& operator=(const Stage&) = delete;
 
@@ -27,7 +29,6 @@ struct Body {
   Domain domain;
   std::unique_ptr<Diffusion> diffusion;
   std::unique_ptr<FacetSource> source;
-  gpu::Image reduced_intensity;
 };
 
 void solve(gpu::Context& context, const Lighting& lighting, Body& body, double eta, RenderResult& result) {
@@ -75,7 +76,8 @@ RenderResult render_scene(gpu::Context& context, const Scene& scene, const Plan&
   {
     Stage stage(result, "shadow maps");
     meshes = std::make_unique<SceneMeshes>(upload_meshes(context, scene));
-    lighting = std::make_unique<Lighting>(context, scene, *meshes, LightSettings{plan.light_samples, plan.environment_samples, plan.shadow_map_size});
+    lighting = std::make_unique<Lighting>(
+        context, scene, *meshes, LightSettings{plan.light_samples, plan.environment_samples, plan.shadow_map_size});
     gpu::Commands commands(context);
     lighting->record_shadow_maps(commands);
     commands.submit();
@@ -96,13 +98,12 @@ RenderResult render_scene(gpu::Context& context, const Scene& scene, const Plan&
     MediumSamples medium;
     {
       Stage stage(result, "medium");
-      const MediumField field = field_of(object.medium);
-      medium = sample_medium(context, body.domain, field, plan.channels);
-      body.reduced_intensity = reduced_intensity_image(context, body.domain, object.medium);
+      medium = sample_medium(context, body.domain, field_of(object.medium), plan.channels);
     }
     {
       Stage stage(result, "solver set-up");
-      body.diffusion = std::make_unique<Diffusion>(context, *solver_passes, *fluence_passes, body.domain, medium, object.eta, options);
+      body.diffusion = std::make_unique<Diffusion>(context, *solver_passes, *fluence_passes, body.domain, medium,
+                                                   object.eta, options);
       body.source = std::make_unique<FacetSource>(context, body.domain);
     }
     solve(context, *lighting, body, object.eta, result);
@@ -110,9 +111,16 @@ RenderResult render_scene(gpu::Context& context, const Scene& scene, const Plan&
   }
 
   Stage stage(result, "shade");
-  Shading::Input input{scene, *meshes, *lighting, {}, plan.camera, {plan.size}, plan.transport == Transport::report ? Exit::report : Exit::as_printed};
+  Shading::Input input{scene,
+                       *meshes,
+                       *lighting,
+                       {},
+                       plan.camera,
+                       {plan.size},
+                       plan.transport == Transport::report ? Exit::report : Exit::as_printed};
   for (const auto& body : bodies)
-    input.surfaces.push_back({static_cast<int>(body->object), &body->diffusion->surface(), &body->reduced_intensity, body->domain.frame});
+    input.surfaces.push_back({static_cast<int>(body->object), &body->diffusion->surface(),
+                              &body->diffusion->surface_gamma(), body->domain.frame});
   result.shaded = shading->shade(input);
   return result;
 }

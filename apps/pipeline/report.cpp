@@ -8,13 +8,19 @@ namespace {
 
 using nlohmann::json;
 
-double worst_residual(const SolverStatus& status) { return *std::max_element(status.relative_residual, status.relative_residual + 3); }
+double worst_residual(const SolverStatus& status) {
+  return *std::max_element(status.relative_residual, status.relative_residual + 3);
+}
 
 json rgb(glm::dvec3 v) { return json::array({v.r, v.g, v.b}); }
 
 json solver_json(const ObjectReport& o) {
-  return {{"cycles", o.solver.iterations}, {"residual", worst_residual(o.solver)}, {"converged", o.solver.converged},
-          {"cells", o.domain.cut_cells + o.domain.inner_cells}, {"levels", o.levels}, {"channels", o.channels}};
+  return {{"cycles", o.solver.iterations},
+          {"residual", worst_residual(o.solver)},
+          {"converged", o.solver.converged},
+          {"cells", o.domain.cut_cells + o.domain.inner_cells},
+          {"levels", o.levels},
+          {"channels", o.channels}};
 }
 
 json energy_json(const EnergyBalance& e) {
@@ -24,9 +30,15 @@ json energy_json(const EnergyBalance& e) {
 json objects_json(const RenderResult& result) {
   json list = json::array();
   for (const ObjectReport& o : result.objects)
-    list.push_back({{"name", o.name}, {"grid", {o.cells.x, o.cells.y, o.cells.z}}, {"cut_cells", o.domain.cut_cells},
-                    {"inner_cells", o.domain.inner_cells}, {"slit_cells", o.domain.slit_cells}, {"volume", o.domain.volume}, {"area", o.domain.area},
-                    {"solver", solver_json(o)}, {"energy", energy_json(o.energy)}});
+    list.push_back({{"name", o.name},
+                    {"grid", {o.cells.x, o.cells.y, o.cells.z}},
+                    {"cut_cells", o.domain.cut_cells},
+                    {"inner_cells", o.domain.inner_cells},
+                    {"slit_cells", o.domain.slit_cells},
+                    {"volume", o.domain.volume},
+                    {"area", o.domain.area},
+                    {"solver", solver_json(o)},
+                    {"energy", energy_json(o.energy)}});
   return list;
 }
 
@@ -58,9 +70,17 @@ json total_energy(const RenderResult& result) {
 json plan_json(const Plan& plan) {
   json components = json::array();
   for (Component c : plan.components) components.push_back(name_of(c));
-  return {{"size", {plan.size.x, plan.size.y}}, {"camera", plan.camera.name}, {"grid", plan.grid}, {"tolerance", plan.tolerance},
-          {"transport", name_of(plan.transport)}, {"components", components}, {"channels", plan.channels}, {"light_samples", plan.light_samples},
-          {"environment_samples", plan.environment_samples}, {"shadow_map_size", plan.shadow_map_size}, {"reasons", plan.reasons}};
+  return {{"size", {plan.size.x, plan.size.y}},
+          {"camera", plan.camera.name},
+          {"grid", plan.grid},
+          {"tolerance", plan.tolerance},
+          {"transport", name_of(plan.transport)},
+          {"components", components},
+          {"channels", plan.channels},
+          {"light_samples", plan.light_samples},
+          {"environment_samples", plan.environment_samples},
+          {"shadow_map_size", plan.shadow_map_size},
+          {"reasons", plan.reasons}};
 }
 
 }  // namespace
@@ -72,14 +92,17 @@ json stats_json(const RenderResult& result, const Plan& plan, const gpu::Context
           {"negative", {{"count", result.shaded.negative_pixels}, {"share", result.shaded.negative_share}}},
           {"plan", plan_json(plan)},
           {"objects", objects_json(result)},
-          {"device", {{"name", context.info().name}, {"driver", context.info().driver}, {"peak_bytes", context.peak_bytes()}}},
+          {"device",
+           {{"name", context.info().name}, {"driver", context.info().driver}, {"peak_bytes", context.peak_bytes()}}},
           {"warnings", result.warnings}};
 }
 
 void describe(const RenderResult& result, const Plan& plan, const gpu::Context& context, Picture& picture) {
   const auto add = [&](const std::string& name, const json& value) {
-    if (value.is_number()) picture.attributes["alabaster." + name] = value.get<double>();
-    else picture.attributes["alabaster." + name] = value.is_string() ? value.get<std::string>() : value.dump();
+    if (value.is_number())
+      picture.attributes["alabaster." + name] = value.get<double>();
+    else
+      picture.attributes["alabaster." + name] = value.is_string() ? value.get<std::string>() : value.dump();
   };
   const json groups{{"plan", plan_json(plan)}, {"solver", total_solver(result)}, {"energy", total_energy(result)}};
   for (auto& [group, values] : groups.items())

@@ -10,7 +10,8 @@ namespace alabaster {
 /// `stages`, `solver`, `energy`, `negative`, `plan`, and `objects` with the same for each object. Powers in W.
 nlohmann::json stats_json(const RenderResult& result, const Plan& plan, const gpu::Context& context);
 
-/// Puts every setting, the time of each stage, the solver's residual and the energy balance into the picture's attributes.
+/// Puts every setting, the time of each stage, the solver's residual and the energy balance into the picture's
+/// attributes.
 void describe(const RenderResult& result, const Plan& plan, const gpu::Context& context, Picture& picture);
 
 }  // namespace alabaster

@@ -57,6 +57,7 @@ Diffusion::Diffusion(gpu::Context& context, const DiffusionPasses& solver_passes
       tiles_(tile_list(context, domain)),
       absorption_(packed_image(context, domain.frame.cells, medium.channels, 1, "absorption")),
       surface_(gpu::image3d(context, domain.frame.cells, VK_FORMAT_R32G32B32A32_SFLOAT, "surface fluence")),
+      surface_gamma_(gpu::image3d(context, domain.frame.cells, VK_FORMAT_R32G32B32A32_SFLOAT, "surface Gamma_s")),
       facets_(context, cut_count_ * sizeof(FacetMedium), "facet medium"),
       conductances_(context, std::size_t(medium.channels) * cut_count_ * sizeof(float), "facet conductances"),
       scales_(context, medium.channels * sizeof(FluenceScale), "fluence scales", gpu::Memory::host),
@@ -85,10 +86,17 @@ void Diffusion::set_medium(const MediumSamples& medium) {
   {
     const auto scope = commands.time("diffusion operator");
     commands.dispatch(passes_.assemble, multigrid_.threads(0),
-                      {{"tiles", tiles_.packed}, {"cut_index", domain_.cut_index}, {"cut_cells", domain_.cut_cells},
-                       {"volume", domain_.volume}, {"aperture_x", domain_.aperture[0]}, {"aperture_y", domain_.aperture[1]},
-                       {"aperture_z", domain_.aperture[2]}, {"kappa", kappa}, {"absorption", absorption_},
-                       {"stencil", multigrid_.finest().stencil}, {"conductances", conductances_}},
+                      {{"tiles", tiles_.packed},
+                       {"cut_index", domain_.cut_index},
+                       {"cut_cells", domain_.cut_cells},
+                       {"volume", domain_.volume},
+                       {"aperture_x", domain_.aperture[0]},
+                       {"aperture_y", domain_.aperture[1]},
+                       {"aperture_z", domain_.aperture[2]},
+                       {"kappa", kappa},
+                       {"absorption", absorption_},
+                       {"stencil", multigrid_.finest().stencil},
+                       {"conductances", conductances_}},
                       OperatorPush{domain_.frame.cells, cut_count_, resistance});
   }
   commands.submit();
@@ -96,52 +104,80 @@ void Diffusion::set_medium(const MediumSamples& medium) {
 }
 
 SurfacePush Diffusion::surface_push() const {
-  return {domain_.frame.cells, cut_count_, multigrid_.channels(), static_cast<float>(A_), static_cast<float>(f_dt_), domain_.frame.h};
+  return {domain_.frame.cells,       cut_count_,     multigrid_.channels(), static_cast<float>(A_),
+          static_cast<float>(f_dt_), domain_.frame.h};
 }
 
 void Diffusion::record_source(gpu::Commands& commands, const gpu::Buffer& gamma_s, bool corrected) {
   const auto scope = commands.time("diffusion source");
   commands.dispatch(passes_.facets[corrected], {cut_count_, multigrid_.channels(), 1},
-                    {{"cut_index", domain_.cut_index}, {"cut_cells", domain_.cut_cells}, {"conductances", conductances_},
-                     {"gamma_s", gamma_s}, {"scales", scales_}, {"gradients", gradients_}, {"stencil", multigrid_.finest().stencil},
-                     {"cell_sources", cell_sources_}, {"face_fluxes", face_fluxes_}, {"facet_offsets", facet_offsets_}},
+                    {{"cut_index", domain_.cut_index},
+                     {"cut_cells", domain_.cut_cells},
+                     {"conductances", conductances_},
+                     {"gamma_s", gamma_s},
+                     {"scales", scales_},
+                     {"gradients", gradients_},
+                     {"stencil", multigrid_.finest().stencil},
+                     {"cell_sources", cell_sources_},
+                     {"face_fluxes", face_fluxes_},
+                     {"facet_offsets", facet_offsets_}},
                     surface_push());
   commands.dispatch(passes_.source[corrected], multigrid_.threads(0),
-                    {{"tiles", tiles_.packed}, {"cut_index", domain_.cut_index}, {"cut_cells", domain_.cut_cells},
-                     {"cell_sources", cell_sources_}, {"face_fluxes", face_fluxes_}, {"rhs", pcg_.rhs()}},
+                    {{"tiles", tiles_.packed},
+                     {"cut_index", domain_.cut_index},
+                     {"cut_cells", domain_.cut_cells},
+                     {"cell_sources", cell_sources_},
+                     {"face_fluxes", face_fluxes_},
+                     {"rhs", pcg_.rhs()}},
                     surface_push());
 }
 
 void Diffusion::record_rescale(gpu::Commands& commands) {
-  commands.dispatch(passes_.rescale, multigrid_.threads(0),
-                    {{"tiles", tiles_.packed}, {"scales", scales_}, {"high", pcg_.solution()}, {"low", pcg_.solution_rest()}},
-                    surface_push());
+  commands.dispatch(
+      passes_.rescale, multigrid_.threads(0),
+      {{"tiles", tiles_.packed}, {"scales", scales_}, {"high", pcg_.solution()}, {"low", pcg_.solution_rest()}},
+      surface_push());
 }
 
 void Diffusion::record_gradients(gpu::Commands& commands, const gpu::Buffer& gamma_s) {
   const auto scope = commands.time("diffusion gradients");
   commands.dispatch(passes_.gradient, {cut_count_, multigrid_.channels(), 1},
-                    {{"cut_index", domain_.cut_index}, {"cut_cells", domain_.cut_cells}, {"gamma_s", gamma_s}, {"facets", facets_},
-                     {"scales", scales_}, {"volume", domain_.volume}, {"phi", pcg_.solution()}, {"gradients", gradients_}},
+                    {{"cut_index", domain_.cut_index},
+                     {"cut_cells", domain_.cut_cells},
+                     {"gamma_s", gamma_s},
+                     {"facets", facets_},
+                     {"scales", scales_},
+                     {"volume", domain_.volume},
+                     {"phi", pcg_.solution()},
+                     {"gradients", gradients_}},
                     surface_push());
 }
 
-void Diffusion::record_surface(gpu::Commands& commands) {
+void Diffusion::record_surface(gpu::Commands& commands, const gpu::Buffer& gamma_s) {
   const auto scope = commands.time("diffusion surface");
   const glm::ivec3 n = domain_.frame.cells;
   commands.dispatch(passes_.surface, {n.x / 4, n.y, n.z},
-                    {{"cut_index", domain_.cut_index}, {"cut_cells", domain_.cut_cells}, {"scales", scales_}, {"gradients", gradients_},
-                     {"volume", domain_.volume}, {"phi", pcg_.solution()}, {"surface", surface_}},
+                    {{"cut_index", domain_.cut_index},
+                     {"cut_cells", domain_.cut_cells},
+                     {"scales", scales_},
+                     {"gradients", gradients_},
+                     {"volume", domain_.volume},
+                     {"phi", pcg_.solution()},
+                     {"surface", surface_},
+                     {"gamma_s", gamma_s},
+                     {"surface_gamma", surface_gamma_}},
                     surface_push());
 }
 
 // Puts the units of fluence in place. True where the solution and the gradients of before are of use for this light.
 bool Diffusion::adopt_light(const gpu::Buffer& gamma_s) {
   gpu::Commands commands(context_);
-  commands.dispatch(passes_.scale, {256 * multigrid_.channels(), 1, 1}, {{"gamma_s", gamma_s}, {"scales", scales_}}, surface_push());
+  commands.dispatch(passes_.scale, {256 * multigrid_.channels(), 1, 1}, {{"gamma_s", gamma_s}, {"scales", scales_}},
+                    surface_push());
   commands.submit();
   const FluenceScale* scales = static_cast<const FluenceScale*>(scales_.mapped());
-  return std::all_of(scales, scales + multigrid_.channels(), [](const FluenceScale& s) { return s.ratio >= 0.25f && s.ratio <= 4; });
+  return std::all_of(scales, scales + multigrid_.channels(),
+                     [](const FluenceScale& s) { return s.ratio >= 0.25f && s.ratio <= 4; });
 }
 
 // The corrections converge about as fast as the solver does, so the early solves need no more digits than they bring.
@@ -162,7 +198,7 @@ SolverStatus Diffusion::solve(const gpu::Buffer& gamma_s) {
   status.iterations = iterations;
   gpu::Commands commands(context_);
   record_gradients(commands, gamma_s);
-  record_surface(commands);
+  record_surface(commands, gamma_s);
   commands.submit();
   return status;
 }
@@ -171,12 +207,21 @@ EnergyBalance Diffusion::energy(const gpu::Buffer& gamma_s) {
   gpu::Commands commands(context_);
   const LevelPush level{domain_.frame.cells, domain_.frame.cells, 0};
   commands.dispatch(passes_.absorbed, multigrid_.threads(0),
-                    {{"tiles", tiles_.packed}, {"partials", pcg_.partials()}, {"volume", domain_.volume}, {"absorption", absorption_},
+                    {{"tiles", tiles_.packed},
+                     {"partials", pcg_.partials()},
+                     {"volume", domain_.volume},
+                     {"absorption", absorption_},
                      {"phi", pcg_.solution()}},
                     level);
   commands.dispatch(passes_.energy, {256 * multigrid_.channels(), 1, 1},
-                    {{"cut_cells", domain_.cut_cells}, {"gamma_s", gamma_s}, {"facets", facets_}, {"scales", scales_},
-                     {"partials", pcg_.partials()}, {"facet_offsets", facet_offsets_}, {"phi", pcg_.solution()}, {"sums", energy_sums_}},
+                    {{"cut_cells", domain_.cut_cells},
+                     {"gamma_s", gamma_s},
+                     {"facets", facets_},
+                     {"scales", scales_},
+                     {"partials", pcg_.partials()},
+                     {"facet_offsets", facet_offsets_},
+                     {"phi", pcg_.solution()},
+                     {"sums", energy_sums_}},
                     EnergyPush{surface_push(), pcg_.partials_per_channel()});
   commands.submit();
   const FluenceScale* scales = static_cast<const FluenceScale*>(scales_.mapped());
@@ -186,7 +231,8 @@ EnergyBalance Diffusion::energy(const gpu::Buffer& gamma_s) {
     const int channel = std::min(c, multigrid_.channels() - 1);
     balance.in[c] = sums[channel].in_;
     balance.out[c] = sums[channel].out_;
-    balance.absorbed[c] = double(sums[channel].absorbed) * scales[channel].unit * kappa_scale_[channel] * domain_.frame.h;
+    balance.absorbed[c] =
+        double(sums[channel].absorbed) * scales[channel].unit * kappa_scale_[channel] * domain_.frame.h;
   }
   return balance;
 }

@@ -24,15 +24,15 @@ struct EnergyBalance {
 class Diffusion {
  public:
   /// `domain` and the passes outlive this. One or three channels, as `medium` has.
-  Diffusion(gpu::Context& context, const DiffusionPasses& solver_passes, const FluencePasses& passes, const Domain& domain,
-            const MediumSamples& medium, double eta, const SolverOptions& options = {});
+  Diffusion(gpu::Context& context, const DiffusionPasses& solver_passes, const FluencePasses& passes,
+            const Domain& domain, const MediumSamples& medium, double eta, const SolverOptions& options = {});
 
   /// A new medium on the same grid; the solution stays as the start of the next solve.
   void set_medium(const MediumSamples& medium);
 
-  /// Solves for Gamma_s: `gamma_s` holds a vec3 (W/m^2, one channel takes red) for every cut cell of the domain, entry 0
-  /// included, averaged over its facet, with the factor exp(-sigma_a/sigma_s') of facet_medium(). Starts from the solution
-  /// of before where there is one. Then makes surface().
+  /// Solves for Gamma_s: `gamma_s` holds a vec3 (W/m^2, one channel takes red) for every cut cell of the domain, entry
+  /// 0 included, averaged over its facet, with the factor exp(-sigma_a/sigma_s') of facet_medium(). Starts from the
+  /// solution of before where there is one. Then makes surface().
   SolverStatus solve(const gpu::Buffer& gamma_s);
 
   /// Of the last solve.
@@ -41,6 +41,8 @@ class Diffusion {
   /// Fluence for the surface query, W/m^2, rgba32f, one texel a cell with its value at the cell's centre: sampled
   /// trilinearly at a point of the surface it gives phi there. One channel fills r, g and b.
   const gpu::Image& surface() const { return surface_; }
+  /// Gamma_s of the facets for the surface query, W/m^2, in the same form.
+  const gpu::Image& surface_gamma() const { return surface_gamma_; }
   /// FacetMedium for every cut cell.
   const gpu::Buffer& facet_medium() const { return facets_; }
   Multigrid& multigrid() { return multigrid_; }
@@ -56,7 +58,7 @@ class Diffusion {
   void record_rescale(gpu::Commands& commands);
   void record_source(gpu::Commands& commands, const gpu::Buffer& gamma_s, bool corrected);
   void record_gradients(gpu::Commands& commands, const gpu::Buffer& gamma_s);
-  void record_surface(gpu::Commands& commands);
+  void record_surface(gpu::Commands& commands, const gpu::Buffer& gamma_s);
 
   gpu::Context& context_;
   const FluencePasses& passes_;
@@ -64,7 +66,7 @@ class Diffusion {
   double A_, f_dt_;
   int cut_count_;  // entry 0 included
   TileList tiles_;
-  gpu::Image absorption_, surface_;
+  gpu::Image absorption_, surface_, surface_gamma_;
   gpu::Buffer facets_, conductances_, scales_, gradients_, energy_sums_;
   gpu::Buffer cell_sources_, face_fluxes_, facet_offsets_;
   SolverOptions options_;

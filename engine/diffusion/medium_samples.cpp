@@ -31,29 +31,6 @@ glm::vec3 reduced_at(const MediumPoint& m) {
 
 }  // namespace
 
-gpu::Image reduced_intensity_image(gpu::Context& context, const Domain& domain, const Medium& medium) {
-  const MediumField field = field_of(medium);
-  const glm::ivec3 n = medium.heterogeneous() ? domain.frame.cells : glm::ivec3(1);
-  std::vector<glm::vec4> texels(std::size_t(n.x) * n.y * n.z, glm::vec4(0));
-  if (medium.heterogeneous()) {
-    // A trilinear tap on the surface reads cells up to one away from a cut one.
-    for (const GpuCutCell& cut : gpu::download<GpuCutCell>(context, domain.cut_cells))
-      if (cut.facet.area > 0)
-        for (int k = 0; k < 27; ++k) {
-          const glm::ivec3 cell = cut.cell + glm::ivec3(k % 3, k / 3 % 3, k / 9) - 1;
-          glm::vec4& texel = texels[cell.x + std::size_t(n.x) * (cell.y + std::size_t(n.y) * cell.z)];
-          if (texel.w != 0) continue;
-          const glm::dvec3 middle = glm::dvec3(domain.frame.origin) + double(domain.frame.h) * (glm::dvec3(cell) + 0.5);
-          texel = glm::vec4(reduced_at(field(middle)), 1);
-        }
-  } else {
-    texels[0] = glm::vec4(reduced_at(field(glm::dvec3(0))), 1);
-  }
-  gpu::Image image = gpu::image3d(context, n, VK_FORMAT_R32G32B32A32_SFLOAT, "reduced intensity");
-  gpu::upload(context, image, texels);
-  return image;
-}
-
 MediumSamples sample_medium(gpu::Context& context, const Domain& domain, const MediumField& field, int channels) {
   const glm::ivec3 n = domain.frame.cells;
   const double h = domain.frame.h, clearest = 100 * h * std::max({n.x, n.y, n.z});

@@ -32,8 +32,4 @@ struct MediumSamples {
 /// none that diffuses. One channel takes red.
 MediumSamples sample_medium(gpu::Context& context, const Domain& domain, const MediumField& field, int channels);
 
-/// exp(-sigma_a / sigma_s') for the surface query: rgba32f, one texel for a homogeneous medium, else one a cell with its
-/// value at the cell's middle, near the surface (0 elsewhere), to be sampled trilinearly.
-gpu::Image reduced_intensity_image(gpu::Context& context, const Domain& domain, const Medium& medium);
-
 }  // namespace alabaster

@@ -80,14 +80,19 @@ void Multigrid::set_up() {
     const bool finest = l == 0;
     MultigridLevel& level = levels_[l];
     commands.dispatch(passes_.diagonals[finest], threads(l),
-                      {{"tiles", tiles_.packed}, {"stencil", level.stencil}, {"inverse_l1", level.inverse_l1}, {"diagonal", level.spare}},
+                      {{"tiles", tiles_.packed},
+                       {"stencil", level.stencil},
+                       {"inverse_l1", level.inverse_l1},
+                       {"diagonal", level.spare}},
                       push(l));
     if (l + 1 == levels_.size()) break;
     const glm::ivec3 n = levels_[l + 1].cells;
     commands.dispatch(passes_.weights[finest], {n.x, n.y, n.z * channels_},
                       {{"stencil", level.stencil}, {"diagonal", level.spare}, {"weights", level.weights}}, push(l));
     commands.dispatch(passes_.galerkin[finest], {n.x, n.y, n.z * channels_ * DIFFUSION_COARSE_ENTRIES},
-                      {{"stencil", level.stencil}, {"diagonal", level.spare}, {"weights", level.weights},
+                      {{"stencil", level.stencil},
+                       {"diagonal", level.spare},
+                       {"weights", level.weights},
                        {"coarse_stencil", levels_[l + 1].stencil}},
                       push(l));
   }
@@ -95,15 +100,16 @@ void Multigrid::set_up() {
   invert_coarsest();
 }
 
-// The coarsest operator is tiny: its inverse is made in double precision on the CPU. Single precision made the operator,
-// so pivots below its rounding mean nothing.
+// The coarsest operator is tiny: its inverse is made in double precision on the CPU. Single precision made the
+// operator, so pivots below its rounding mean nothing.
 void Multigrid::invert_coarsest() {
   const MultigridLevel& level = levels_.back();
   const std::vector<float> stencil = gpu::download<float>(context_, level.stencil);
   const glm::ivec3 n = level.cells, padded{4 * level.texels_x(), n.y, n.z};
   const int cells = padded.x * n.y * n.z;
   auto entry = [&](glm::ivec3 c, int k, int channel) {
-    return stencil[padded.x * DIFFUSION_COARSE_ENTRIES * (c.y + std::size_t(n.y) * (c.z + channel * n.z)) + k * padded.x + c.x];
+    return stencil[padded.x * DIFFUSION_COARSE_ENTRIES * (c.y + std::size_t(n.y) * (c.z + channel * n.z)) +
+                   k * padded.x + c.x];
   };
   std::vector<float> inverse;
   for (int channel = 0; channel < channels_; ++channel) {
@@ -126,8 +132,13 @@ void Multigrid::record_smooth(gpu::Commands& commands, std::size_t l, const gpu:
                               const gpu::Image& from, const gpu::Image& to, const gpu::Buffer& partials) {
   const MultigridLevel& level = levels_[l];
   commands.dispatch(pass, threads(l),
-                    {{"tiles", tiles_.packed}, {"stencil", level.stencil}, {"x", from}, {"partials", partials},
-                     {"inverse_l1", level.inverse_l1}, {"b", level.b}, {"smoothed", to}},
+                    {{"tiles", tiles_.packed},
+                     {"stencil", level.stencil},
+                     {"x", from},
+                     {"partials", partials},
+                     {"inverse_l1", level.inverse_l1},
+                     {"b", level.b},
+                     {"smoothed", to}},
                     push(l, omega));
 }
 
@@ -149,12 +160,18 @@ const gpu::Image& Multigrid::record_level(gpu::Commands& commands, std::size_t l
     std::swap(x, spare);
   };
   for (std::size_t s = 1; s < omegas_.size(); ++s) smooth(passes_.smooth[finest], omegas_[s]);
-  commands.dispatch(passes_.residual[finest], threads(l),  // r = b - A x
-                    {{"tiles", tiles_.packed}, {"stencil", level.stencil}, {"x", *x}, {"b", level.b}, {"residual", level.r}},
-                    push(l));
+  commands.dispatch(
+      passes_.residual[finest], threads(l),  // r = b - A x
+      {{"tiles", tiles_.packed}, {"stencil", level.stencil}, {"x", *x}, {"b", level.b}, {"residual", level.r}},
+      push(l));
   MultigridLevel& coarse = levels_[l + 1];
   commands.dispatch(passes_.restrict_residual, threads(l + 1),  // b' = P^T r
-                    {{"tiles", tiles_.packed}, {"residual", level.r}, {"weights", level.weights}, {"inverse_l1", coarse.inverse_l1}, {"b", coarse.b}, {"x", coarse.x}},
+                    {{"tiles", tiles_.packed},
+                     {"residual", level.r},
+                     {"weights", level.weights},
+                     {"inverse_l1", coarse.inverse_l1},
+                     {"b", coarse.b},
+                     {"x", coarse.x}},
                     push(l, omegas_.front()));
   const gpu::Image& correction = record_level(commands, l + 1, partials);
   commands.dispatch(passes_.prolong[finest], threads(l),  // x += P x'

@@ -1,5 +1,6 @@
-// Geometric multigrid on 3D images: black-box interpolation, Galerkin coarse operators, Chebyshev smoothing. One V-cycle
-// is a symmetric positive definite preconditioner. Knows no lights and no cut cells: the finest stencil is given.
+// Geometric multigrid on 3D images: black-box interpolation, Galerkin coarse operators, Chebyshev smoothing. One
+// V-cycle is a symmetric positive definite preconditioner. Knows no lights and no cut cells: the finest stencil is
+// given.
 #pragma once
 
 #include <vector>

@@ -8,8 +8,10 @@ namespace alabaster {
 Pcg::Pcg(gpu::Context& context, const DiffusionPasses& passes, Multigrid& multigrid, const SolverOptions& options)
     : context_(context), passes_(passes), multigrid_(multigrid), options_(options) {
   const glm::ivec3 cells = multigrid.finest().cells;
-  for (gpu::Image* v : {&rhs_, &high_, &low_, &p_}) *v = packed_image(context, cells, multigrid.channels(), 1, "vector");
-  partials_ = gpu::Buffer(context, std::size_t(multigrid.channels()) * partials_per_channel() * sizeof(float), "diffusion partials");
+  for (gpu::Image* v : {&rhs_, &high_, &low_, &p_})
+    *v = packed_image(context, cells, multigrid.channels(), 1, "vector");
+  partials_ = gpu::Buffer(context, std::size_t(multigrid.channels()) * partials_per_channel() * sizeof(float),
+                          "diffusion partials");
   scalars_ = gpu::Buffer(context, multigrid.channels() * sizeof(CgScalars), "diffusion scalars", gpu::Memory::host);
   gpu::Commands commands(context);
   commands.fill(partials_);
@@ -19,8 +21,8 @@ Pcg::Pcg(gpu::Context& context, const DiffusionPasses& passes, Multigrid& multig
 }
 
 void Pcg::reduce(gpu::Commands& commands, int mode) {
-  commands.dispatch(passes_.reduce, {64 * multigrid_.channels(), 1, 1}, {{"partials", partials_}, {"scalars", scalars_}},
-                    ReducePush{partials_per_channel(), mode});
+  commands.dispatch(passes_.reduce, {64 * multigrid_.channels(), 1, 1},
+                    {{"partials", partials_}, {"scalars", scalars_}}, ReducePush{partials_per_channel(), mode});
 }
 
 void Pcg::record_start() {
@@ -29,14 +31,25 @@ void Pcg::record_start() {
   const LevelPush push{level.cells, level.cells, multigrid_.first_omega()};
   start_ = std::make_unique<gpu::Commands>(context_);
   const auto scope = start_->time("diffusion residual");
-  start_->dispatch(passes_.norm, threads, {{"tiles", multigrid_.tiles().packed}, {"partials", partials_}, {"x", rhs_}}, push);
+  start_->dispatch(passes_.norm, threads, {{"tiles", multigrid_.tiles().packed}, {"partials", partials_}, {"x", rhs_}},
+                   push);
   reduce(*start_, DIFFUSION_REDUCE_START);
   start_->dispatch(passes_.residual[1], threads,  // spare = b - A low
-                   {{"tiles", multigrid_.tiles().packed}, {"stencil", level.stencil}, {"x", low_}, {"b", rhs_}, {"residual", level.spare}},
+                   {{"tiles", multigrid_.tiles().packed},
+                    {"stencil", level.stencil},
+                    {"x", low_},
+                    {"b", rhs_},
+                    {"residual", level.spare}},
                    push);
   start_->dispatch(passes_.start, threads,  // r = spare - A high
-                   {{"tiles", multigrid_.tiles().packed}, {"stencil", level.stencil}, {"x", high_}, {"partials", partials_},
-                    {"inverse_l1", level.inverse_l1}, {"b", level.spare}, {"r", level.b}, {"z", level.x}},
+                   {{"tiles", multigrid_.tiles().packed},
+                    {"stencil", level.stencil},
+                    {"x", high_},
+                    {"partials", partials_},
+                    {"inverse_l1", level.inverse_l1},
+                    {"b", level.spare},
+                    {"r", level.b},
+                    {"z", level.x}},
                    push);
   reduce(*start_, DIFFUSION_REDUCE_TRUE);
 }
@@ -53,13 +66,21 @@ void Pcg::record_batch() {
     const gpu::Image& z = multigrid_.record_cycle(commands, partials_);  // z = M r
     reduce(commands, DIFFUSION_REDUCE_BETA);
     commands.dispatch(passes_.direction, threads, {{"tiles", tiles}, {"scalars", scalars_}, {"z", z}, {"p", p_}}, push);
-    commands.dispatch(passes_.apply_dot, threads,  // q = A p
-                      {{"tiles", tiles}, {"stencil", level.stencil}, {"x", p_}, {"partials", partials_}, {"product", level.r}},
-                      push);
+    commands.dispatch(
+        passes_.apply_dot, threads,  // q = A p
+        {{"tiles", tiles}, {"stencil", level.stencil}, {"x", p_}, {"partials", partials_}, {"product", level.r}}, push);
     reduce(commands, DIFFUSION_REDUCE_ALPHA);
     commands.dispatch(passes_.update, threads,
-                      {{"tiles", tiles}, {"partials", partials_}, {"scalars", scalars_}, {"inverse_l1", level.inverse_l1},
-                       {"p", p_}, {"q", level.r}, {"high", high_}, {"low", low_}, {"r", level.b}, {"z", level.x}},
+                      {{"tiles", tiles},
+                       {"partials", partials_},
+                       {"scalars", scalars_},
+                       {"inverse_l1", level.inverse_l1},
+                       {"p", p_},
+                       {"q", level.r},
+                       {"high", high_},
+                       {"low", low_},
+                       {"r", level.b},
+                       {"z", level.x}},
                       push);
     reduce(commands, DIFFUSION_REDUCE_RESIDUAL);
   }
@@ -76,11 +97,12 @@ void Pcg::clear_solution() {
   commands.submit();
 }
 
-// Recurrences drift from the truth in single precision. So when they claim convergence the residual is computed anew, and
-// where it disagrees the gradients start again from it; only when that no longer helps does the solver give up.
+// Recurrences drift from the truth in single precision. So when they claim convergence the residual is computed anew,
+// and where it disagrees the gradients start again from it; only when that no longer helps does the solver give up.
 SolverStatus Pcg::solve(double tolerance) {
   SolverStatus status;
-  for (int c = 0; c < multigrid_.channels(); ++c) static_cast<CgScalars*>(scalars_.mapped())[c].tolerance = static_cast<float>(tolerance);
+  for (int c = 0; c < multigrid_.channels(); ++c)
+    static_cast<CgScalars*>(scalars_.mapped())[c].tolerance = static_cast<float>(tolerance);
   std::vector<double> last(multigrid_.channels(), INFINITY);
   while (true) {
     start_->submit();
@@ -97,12 +119,14 @@ SolverStatus Pcg::solve(double tolerance) {
     }
     if (status.converged) return status;
     if (stalled) {
-      status.reason = "the residual stopped falling: single precision cannot resolve this contrast of coefficients; use a "
-                      "looser tolerance, or a finer grid where the medium changes from cell to cell";
+      status.reason =
+          "the residual stopped falling: single precision cannot resolve this contrast of coefficients; use a "
+          "looser tolerance, or a finer grid where the medium changes from cell to cell";
       return status;
     }
     if (status.iterations >= options_.max_iterations) {
-      status.reason = "no convergence in " + std::to_string(status.iterations) + " iterations: the medium changes by orders "
+      status.reason = "no convergence in " + std::to_string(status.iterations) +
+                      " iterations: the medium changes by orders "
                       "of magnitude from cell to cell; use a finer grid or smooth the medium";
       return status;
     }

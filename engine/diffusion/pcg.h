@@ -11,10 +11,10 @@
 namespace alabaster {
 
 struct SolverOptions {
-  double tolerance = 1e-6;   // of the true relative residual |b - A x| / |b|
+  double tolerance = 1e-6;  // of the true relative residual |b - A x| / |b|
   int max_iterations = 100;
-  int batch = 1;             // iterations between two looks at the residual
-  int corrections = 2;       // deferred-correction passes that make the surface second order; 0: first order
+  int batch = 1;        // iterations between two looks at the residual
+  int corrections = 2;  // deferred-correction passes that make the surface second order; 0: first order
   MultigridOptions multigrid;
 };
 
@@ -30,8 +30,8 @@ class Pcg {
   /// `multigrid` is set up by the caller before solve(), and outlives this.
   Pcg(gpu::Context& context, const DiffusionPasses& passes, Multigrid& multigrid, const SolverOptions& options = {});
 
-  /// Solves A x = b for the images rhs() and solution(), starting from what solution() holds, to the true relative residual
-  /// `tolerance`.
+  /// Solves A x = b for the images rhs() and solution(), starting from what solution() holds, to the true relative
+  /// residual `tolerance`.
   SolverStatus solve(double tolerance);
   SolverStatus solve() { return solve(options_.tolerance); }
 
@@ -39,8 +39,8 @@ class Pcg {
   void clear_solution();
 
   gpu::Image& rhs() { return rhs_; }
-  gpu::Image& solution() { return high_; }            // x, to single precision
-  gpu::Image& solution_rest() { return low_; }        // x = solution + rest is what the residual is computed from
+  gpu::Image& solution() { return high_; }      // x, to single precision
+  gpu::Image& solution_rest() { return low_; }  // x = solution + rest is what the residual is computed from
   const gpu::Buffer& partials() const { return partials_; }
   int partials_per_channel() const { return multigrid_.tiles().count * DIFFUSION_PARTIALS; }
 

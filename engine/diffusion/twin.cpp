@@ -1,12 +1,12 @@
 #include "diffusion/twin.h"
 
-#include "diffusion/dense.h"
-
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_reduce.h>
 
 #include <algorithm>
 #include <cmath>
+
+#include "diffusion/dense.h"
 
 namespace alabaster::twin {
 

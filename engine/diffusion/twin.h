@@ -17,8 +17,12 @@ struct Lattice {
   glm::ivec3 n{0};  // cells without ghosts
 
   std::size_t size() const { return std::size_t(n.x + 2) * (n.y + 2) * (n.z + 2); }
-  std::ptrdiff_t at(glm::ivec3 c) const { return (c.x + 1) + std::ptrdiff_t(n.x + 2) * ((c.y + 1) + std::ptrdiff_t(n.y + 2) * (c.z + 1)); }
-  std::ptrdiff_t shift(glm::ivec3 d) const { return d.x + std::ptrdiff_t(n.x + 2) * (d.y + std::ptrdiff_t(n.y + 2) * d.z); }
+  std::ptrdiff_t at(glm::ivec3 c) const {
+    return (c.x + 1) + std::ptrdiff_t(n.x + 2) * ((c.y + 1) + std::ptrdiff_t(n.y + 2) * (c.z + 1));
+  }
+  std::ptrdiff_t shift(glm::ivec3 d) const {
+    return d.x + std::ptrdiff_t(n.x + 2) * (d.y + std::ptrdiff_t(n.y + 2) * d.z);
+  }
   bool inside(glm::ivec3 c) const {
     return glm::all(glm::greaterThanEqual(c, glm::ivec3(0))) && glm::all(glm::lessThan(c, n));
   }
@@ -44,15 +48,16 @@ struct Operator {
   Vector inverse_l1() const;
 };
 
-/// Operator-dependent interpolation (Dendy's black-box multigrid): p[k][I] = weight of coarse I in fine 2 I + offset(k).
+/// Operator-dependent interpolation (Dendy's black-box multigrid): p[k][I] = weight of coarse I in fine 2 I +
+/// offset(k).
 struct Interpolation {
   Lattice fine, coarse;
   std::array<Vector, 27> p;
 
   explicit Interpolation(const Operator& a);
-  void prolong_add(const Vector& e, Vector& x) const;    // x += P e
-  void restrict_to(const Vector& r, Vector& b) const;    // b = P^T r
-  Operator galerkin(const Operator& a) const;            // P^T A P
+  void prolong_add(const Vector& e, Vector& x) const;  // x += P e
+  void restrict_to(const Vector& r, Vector& b) const;  // b = P^T r
+  Operator galerkin(const Operator& a) const;          // P^T A P
 };
 
 struct Level {
@@ -62,9 +67,9 @@ struct Level {
 };
 
 struct CycleOptions {
-  int sweeps = 2;            // smoothing steps before and after
-  double lowest = 0.15;      // Chebyshev steps damp the part [lowest, 1] of the l1-scaled spectrum
-  int direct_cells = 128;    // coarsest level: at most this many cells, solved directly
+  int sweeps = 2;          // smoothing steps before and after
+  double lowest = 0.15;    // Chebyshev steps damp the part [lowest, 1] of the l1-scaled spectrum
+  int direct_cells = 128;  // coarsest level: at most this many cells, solved directly
 };
 
 /// Symmetric V-cycle: a preconditioner for conjugate gradients.

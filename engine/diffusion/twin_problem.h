@@ -1,4 +1,5 @@
-// The discrete diffusion problem of one channel on cut cells, in double precision: twin of shaders/diffusion/operator.comp.
+// The discrete diffusion problem of one channel on cut cells, in double precision: twin of
+// shaders/diffusion/operator.comp.
 #pragma once
 
 #include <functional>

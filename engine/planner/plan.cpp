@@ -43,16 +43,20 @@ std::uint64_t largest_object_bytes(const Scene& scene, int grid, int channels) {
   for (const Object& object : scene.objects)
     if (object.role == Role::translucent) {
       const glm::ivec3 cells = choose_frame(bounds_of(object.mesh), grid).cells;
-      most = std::max(most, std::uint64_t(cells.x) * std::uint64_t(cells.y) * std::uint64_t(cells.z) * bytes_per_cell(channels));
+      most = std::max(
+          most, std::uint64_t(cells.x) * std::uint64_t(cells.y) * std::uint64_t(cells.z) * bytes_per_cell(channels));
     }
   return most;
 }
 
 int preferred_grid(Quality quality) {
   switch (quality) {
-    case Quality::preview: return 32;
-    case Quality::balanced: return 64;
-    case Quality::accurate: return 128;
+    case Quality::preview:
+      return 32;
+    case Quality::balanced:
+      return 64;
+    case Quality::accurate:
+      return 128;
   }
   return 64;
 }
@@ -64,12 +68,16 @@ int choose_grid(const Scene& scene, const Request& request, Plan& plan, std::uin
     int most = std::clamp(grid, smallest_grid, largest_grid);
     while (most > smallest_grid && !fits(most)) most -= 4;
     if (request.grid)
-      throw UserError("--grid " + std::to_string(grid) + ": choose " + std::to_string(smallest_grid) + " to " +
-                      std::to_string(std::max(most, smallest_grid)) + " cells along the longest side of an object; more does not fit this device's memory or the solver");
-    plan.reasons.push_back("grid " + std::to_string(grid) + " lowered to " + std::to_string(most) + ": the device's memory");
+      throw UserError(
+          "--grid " + std::to_string(grid) + ": choose " + std::to_string(smallest_grid) + " to " +
+          std::to_string(std::max(most, smallest_grid)) +
+          " cells along the longest side of an object; more does not fit this device's memory or the solver");
+    plan.reasons.push_back("grid " + std::to_string(grid) + " lowered to " + std::to_string(most) +
+                           ": the device's memory");
     grid = most;
   }
-  if (!request.grid) plan.reasons.push_back("grid " + std::to_string(grid) + ": the quality asked for; --grid sets another");
+  if (!request.grid)
+    plan.reasons.push_back("grid " + std::to_string(grid) + ": the quality asked for; --grid sets another");
   return grid;
 }
 
@@ -87,13 +95,16 @@ Plan make_plan(const Scene& scene, const Request& request, std::uint64_t heap_by
   plan.transport = request.transport;
   plan.components = request.components;
   plan.tolerance = request.tolerance;
-  if (!(plan.tolerance > 0 && plan.tolerance < 1)) throw UserError("--tolerance must lie between 0 and 1; 1e-6 is usual");
+  if (!(plan.tolerance > 0 && plan.tolerance < 1))
+    throw UserError("--tolerance must lie between 0 and 1; 1e-6 is usual");
   for (const Object& object : scene.objects)
     if (object.role == Role::translucent && inside(object.mesh, glm::vec3(plan.camera.to_world[3])))
-      throw UserError(scene.path + ": camera " + plan.camera.name + " is inside the translucent object " + object.name + "; move it outside");
+      throw UserError(scene.path + ": camera " + plan.camera.name + " is inside the translucent object " + object.name +
+                      "; move it outside");
 
   plan.channels = is_grey(scene) ? 1 : 3;
-  plan.reasons.push_back(plan.channels == 1 ? "one channel: materials and lights are grey" : "three channels: a material or a light has colour");
+  plan.reasons.push_back(plan.channels == 1 ? "one channel: materials and lights are grey"
+                                            : "three channels: a material or a light has colour");
   plan.grid = choose_grid(scene, request, plan, heap_bytes);
   const int usual = request.quality == Quality::preview ? 8 : request.quality == Quality::accurate ? 128 : 32;
   plan.light_samples = request.light_samples.value_or(usual);

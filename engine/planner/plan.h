@@ -1,5 +1,5 @@
-// What will be computed for a scene, and why: (Scene, what the user asked for) -> Plan. Everything after it obeys the plan
-// and decides nothing by itself.
+// What will be computed for a scene, and why: (Scene, what the user asked for) -> Plan. Everything after it obeys the
+// plan and decides nothing by itself.
 #pragma once
 
 #include <cstdint>
@@ -37,12 +37,12 @@ struct Plan {
   Camera camera;
   Transport transport = Transport::report;
   std::set<Component> components;
-  int grid = 0;                // cells along the longest side of each translucent object
+  int grid = 0;  // cells along the longest side of each translucent object
   double tolerance = 0;
-  int channels = 3;            // 1 where materials and lights are grey: one solve serves red, green and blue
-  int light_samples = 0;       // points on area lights, where there are any
+  int channels = 3;             // 1 where materials and lights are grey: one solve serves red, green and blue
+  int light_samples = 0;        // points on area lights, where there are any
   int environment_samples = 0;  // directions in which the environment's occlusion is looked up; 0 without environment
-  int shadow_map_size = 512;   // texels
+  int shadow_map_size = 512;    // texels
   std::vector<std::string> reasons;  // one line each
 };
 

@@ -9,7 +9,7 @@
 
 namespace alabaster {
 
-static_assert(sizeof(CameraRays) == 60 && sizeof(PlainObject) == 20 && sizeof(TranslucentPush) == 120);
+static_assert(sizeof(CameraRays) == 60 && sizeof(PlainObject) == 20 && sizeof(TranslucentPush) == 128);
 
 namespace {
 
@@ -126,7 +126,7 @@ TranslucentPush translucent_push(const Shading::Input& input, const TranslucentS
   push.eta = static_cast<float>(eta);
   push.A = static_cast<float>(boundary_constant(f_dr));
   push.f_dt = static_cast<float>(1 - f_dr);
-  push.f_dt_outer = static_cast<float>(1 - diffuse_reflectance(eta));
+  push.environment = input.lighting.environment();
   push.exit_scale = input.exit == Exit::as_printed ? 1.0f : static_cast<float>(1 / (eta * eta));
   return push;
 }
@@ -214,19 +214,18 @@ ShadedPicture Shading::shade(const Input& input) const {
         commands.draw(visibility_, {}, input.meshes.geometry(i), VisibilityPush{matrix, input.meshes.ranges[i].first});
     commands.end_rendering();
   }
-  gpu::Bindings shared = input.lighting.bindings();
-  for (const gpu::Binding& b : gpu::Bindings{{"visible", ids, nearest_},
-                                             {"positions", input.meshes.positions},
-                                             {"triangles", input.meshes.triangles},
-                                             {"multiple", sums.multiple},
-                                             {"surface", sums.surface},
-                                             {"fluence", sums.fluence},
-                                             {"gamma_s", sums.gamma_s},
-                                             {"normals", sums.normals}})
-    shared.push_back(b);
+  const gpu::Bindings shared{{"visible", ids, nearest_},
+                             {"positions", input.meshes.positions},
+                             {"triangles", input.meshes.triangles},
+                             {"multiple", sums.multiple},
+                             {"surface", sums.surface},
+                             {"fluence", sums.fluence},
+                             {"gamma_s", sums.gamma_s},
+                             {"normals", sums.normals}};
   {
     const auto timer = commands.time("plain");
     gpu::Bindings bindings = shared;
+    for (const gpu::Binding& light : input.lighting.bindings()) bindings.push_back(light);
     bindings.push_back({"objects", objects});
     bindings.push_back({"triangle_objects", triangle_objects});
     commands.dispatch(plain_, {rays.size, 1}, bindings, rays);
@@ -235,7 +234,7 @@ ShadedPicture Shading::shade(const Input& input) const {
     const auto timer = commands.time("translucent");
     gpu::Bindings bindings = shared;
     bindings.push_back({"phi", *surface.fluence, linear_});
-    bindings.push_back({"reduced", *surface.reduced_intensity, linear_});
+    bindings.push_back({"facet_gamma", *surface.gamma_s, linear_});
     const Rectangle rectangle = covered(input.meshes.ranges[surface.object].bounds, matrix, rays.size);
     if (rectangle.low.x >= rectangle.high.x || rectangle.low.y >= rectangle.high.y) continue;
     TranslucentPush push = translucent_push(input, surface, rays);

@@ -1,4 +1,4 @@
-// phi at cell centres, to be sampled trilinearly anywhere on the surface: inner cells as they are, cut cells carried from
+// phi and Gamma_s at cell centres, to be sampled trilinearly anywhere on the surface. phi: inner cells as they are, cut cells carried from
 // the centroid to the centre along their gradient, slivers and cells outside the mean of what the cut cells around them say.
 #version 460
 #extension GL_EXT_scalar_block_layout : require
@@ -12,6 +12,8 @@ layout(binding = 4, scalar) readonly buffer Gradients { vec4 gradients[]; };
 layout(binding = 5, rgba32f) uniform readonly image3D volume;
 layout(binding = 6, rgba32f) uniform readonly image3D phi;
 layout(binding = 7, rgba32f) uniform writeonly image3D surface;
+layout(binding = 8, scalar) readonly buffer GammaS { vec3 gamma_s[]; };
+layout(binding = 9, rgba32f) uniform writeonly image3D surface_gamma;
 
 const float sliver = 0.05;  // h^3; a smaller cut cell's value comes from its neighbours, as if it were outside
 
@@ -26,8 +28,10 @@ vec3 carried(uint index, vec3 away) {
 }
 
 // Without `needed` the loop is empty: a CPU's vector lanes would run a branch they do not take.
-vec3 from_neighbours(ivec3 cell, bool needed) {
+// Gamma_s goes by the facets' areas, phi by the solid's volumes.
+vec3 from_neighbours(ivec3 cell, bool needed, out vec3 gamma) {
   vec3 sum = vec3(0);
+  vec4 gamma_sum = vec4(0);
   float weights = 0;
   for (int n = needed ? 0 : 27; n < 27; ++n) {
     ivec3 d = ivec3(n % 3, n / 3 % 3, n / 9) - 1;
@@ -37,7 +41,9 @@ vec3 from_neighbours(ivec3 cell, bool needed) {
     float weight = cut_cells[index].volume / dot(apart, apart);
     sum += weight * carried(index, away);
     weights += weight;
+    gamma_sum += cut_cells[index].facet.area * vec4(gamma_s[index], 1);
   }
+  gamma = gamma_sum.w > 0 ? gamma_sum.rgb / gamma_sum.w : vec3(0);
   return weights > 0 ? sum / weights : vec3(0);
 }
 
@@ -55,9 +61,12 @@ void main() {
     ivec3 cell = ivec3(4 * t.x + lane, t.yz);
     uint index = cut_at(cell);
     bool whole = index == 0 && own[lane] > 0, cut = index != 0 && own[lane] >= sliver;
-    vec3 result = from_neighbours(cell, near && !whole && !cut);
+    vec3 gamma;
+    vec3 result = from_neighbours(cell, near && !cut, gamma);
+    if (index != 0) gamma = gamma_s[index];
     if (whole) result = vec3(values[0][lane], values[1][lane], values[2][lane]);
     if (cut) result = carried(index, vec3(0.5));
     imageStore(surface, cell, vec4(max(result, vec3(0)), 1));
+    imageStore(surface_gamma, cell, vec4(push.channels == 1 ? gamma.rrr : gamma, 1));
   }
 }

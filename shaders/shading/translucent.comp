@@ -3,12 +3,12 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
-#include "lighting/gather.glsl"
+#include "shared/optics.h"
 #include "visible.glsl"
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(push_constant, scalar) uniform Push { TranslucentPush push; };
 layout(binding = 11) uniform sampler3D phi;                // W/m^2 on the surface
-layout(binding = 12) uniform sampler3D reduced;  // exp(-sigma_a / sigma_s') per channel
+layout(binding = 12) uniform sampler3D facet_gamma;        // Gamma_s of the facets, W/m^2
 void main() {
   const uvec2 pixel = push.corner + gl_GlobalInvocationID.xy;
   if (any(greaterThanEqual(pixel, push.camera.size))) return;
@@ -23,8 +23,7 @@ void main() {
     const Hit hit = next_hit(push.camera, pixel, todo);
     const vec3 place = (hit.position - push.grid_low) * push.grid_inverse;
     const vec3 phi_here = texture(phi, place).rgb;
-    const vec3 gamma = texture(reduced, place).rgb *
-                       gather(hit.position, hit.normal, 0, push.eta, push.f_dt_outer);
+    const vec3 gamma = texture(facet_gamma, place).rgb;
     const float cos_eye = clamp(dot(hit.normal, hit.to_eye), 0, 1);
     const float f_t = fresnel_transmittance(cos_eye, push.eta);
     vec3 radiance;
@@ -35,7 +34,7 @@ void main() {
       radiance[c] = query_radiance(max(bracket, 0), f_t, push.exit_scale);
     }
     multiple_sum += hit.weight * vec4(radiance, 1);
-    surface_sum += hit.weight * vec4((1 - f_t) * lighting.environment, negative ? 1 : 0);
+    surface_sum += hit.weight * vec4((1 - f_t) * push.environment, negative ? 1 : 0);
     fluence_sum += hit.weight * vec4(phi_here, hit.distance);
     gamma_sum += hit.weight * vec4(gamma, 1);
     normal_sum += hit.weight * vec4(hit.normal, 0);

@@ -1,5 +1,5 @@
-// What the program does with scenes and options that are malformed or hostile: the right exit status, one clear line, no
-// output file, no validation message, no crash.
+// What the program does with scenes and options that are malformed or hostile: the right exit status, one clear line,
+// no output file, no validation message, no crash.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -28,12 +28,14 @@ void expect_refused(const test::Outcome& outcome, const std::string& output, con
   const std::vector<std::string> lines = error_lines(outcome.err);
   ASSERT_EQ(lines.size(), 1u) << outcome.err;
   EXPECT_EQ(lines[0].rfind("alabaster: ", 0), 0u) << lines[0];
-  for (const std::string& word : words) EXPECT_NE(lines[0].find(word), std::string::npos) << "no '" << word << "' in: " << lines[0];
+  for (const std::string& word : words)
+    EXPECT_NE(lines[0].find(word), std::string::npos) << "no '" << word << "' in: " << lines[0];
   EXPECT_EQ(outcome.err.find("vulkan:"), std::string::npos) << outcome.err;
   EXPECT_FALSE(std::filesystem::exists(output));
 }
 
-test::Outcome render(const std::string& scene, const std::string& output, std::vector<std::string> more = {}, const std::string& environment = "") {
+test::Outcome render(const std::string& scene, const std::string& output, std::vector<std::string> more = {},
+                     const std::string& environment = "") {
   std::vector<std::string> words{"render", scene, "-o", output};
   for (const auto& [option, value] : {std::pair{"--size", "32x24"}, std::pair{"--grid", "16"}})
     if (std::find(more.begin(), more.end(), option) == more.end()) words.insert(words.end(), {option, value});
@@ -62,7 +64,8 @@ TEST_F(BadInput, HostileScenesAreRefused) {
     }
     EXPECT_EQ(outcome.status, 0) << outcome.err;
     EXPECT_TRUE(error_lines(outcome.err).empty()) << outcome.err;
-    for (const std::string& word : scene.expected_words) EXPECT_NE(outcome.err.find(word), std::string::npos) << outcome.err;
+    for (const std::string& word : scene.expected_words)
+      EXPECT_NE(outcome.err.find(word), std::string::npos) << outcome.err;
     EXPECT_TRUE(std::filesystem::exists(output));
     std::filesystem::remove(output);
   }
@@ -77,7 +80,8 @@ TEST_F(BadInput, GridsThatCannotBe) {
 
 TEST_F(BadInput, PlacesThatCannotBeWritten) {
   const std::string scene = good();
-  expect_refused(render(scene, folder / "no-such-folder/out.exr"), folder / "no-such-folder/out.exr", {"no-such-folder", "make it first"});
+  expect_refused(render(scene, folder / "no-such-folder/out.exr"), folder / "no-such-folder/out.exr",
+                 {"no-such-folder", "make it first"});
   expect_refused(render(scene, output, {"--stats", "/proc/stats.json"}), output, {"/proc/stats.json"});
   const test::Outcome outcome = test::run_program("alabaster", {"render", scene, "-o", folder / ""});
   EXPECT_EQ(outcome.status, 1);
@@ -94,7 +98,8 @@ TEST_F(BadInput, OptionsThatNameNothing) {
 }
 
 TEST_F(BadInput, NoVulkanDriver) {
-  expect_refused(render(good(), output, {}, "VK_DRIVER_FILES=/nowhere.json VK_ICD_FILENAMES=/nowhere.json"), output, {"no Vulkan device", "install"});
+  expect_refused(render(good(), output, {}, "VK_DRIVER_FILES=/nowhere.json VK_ICD_FILENAMES=/nowhere.json"), output,
+                 {"no Vulkan device", "install"});
 }
 
 TEST_F(BadInput, WrongUsageIsStatusTwo) {
@@ -115,7 +120,8 @@ TEST_F(BadInput, AFailedRenderKeepsTheOldPicture) {
 
 TEST_F(BadInput, CompareNamesWhatIsWrong) {
   write_file(folder / "broken.exr", "not an EXR");
-  const test::Outcome outcome = test::run_program("alabaster", {"compare", folder / "broken.exr", folder / "missing.exr", "-o", folder / "sheet.png"});
+  const test::Outcome outcome = test::run_program(
+      "alabaster", {"compare", folder / "broken.exr", folder / "missing.exr", "-o", folder / "sheet.png"});
   expect_refused(outcome, folder / "sheet.png", {"broken.exr"});
 }
 

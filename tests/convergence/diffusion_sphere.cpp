@@ -12,12 +12,14 @@ struct Sphere {
   /// phi(R) for the boundary value q: phi = C sinh(r/l)/r.
   double surface(double q) const {
     if (sigma_a == 0) return q;
-    const double l = std::sqrt(kappa / sigma_a), s = std::sinh(R / l) / R, A = boundary_constant(internal_diffuse_reflectance(eta));
+    const double l = std::sqrt(kappa / sigma_a), s = std::sinh(R / l) / R,
+                 A = boundary_constant(internal_diffuse_reflectance(eta));
     return q * s / (s + 2 * A * kappa * (std::cosh(R / l) / (l * R) - std::sinh(R / l) / (R * R)));
   }
 };
 
-SurfaceError sphere_error(gpu::Context& context, const Sphere& sphere, int n, int corrections, Solved* solved = nullptr) {
+SurfaceError sphere_error(gpu::Context& context, const Sphere& sphere, int n, int corrections,
+                          Solved* solved = nullptr) {
   const Mesh mesh = icosphere(6, static_cast<float>(sphere.R));
   SolverOptions options;
   options.corrections = corrections;
@@ -96,7 +98,8 @@ TEST_F(DiffusionConvergence, ManufacturedSolutionWithHundredfoldKappa) {
     EXPECT_TRUE(s.status.converged) << s.status.reason;
     EXPECT_LT(s.energy.imbalance(), 1e-4);
     const SurfaceError e = surface_error(body, mesh, phi);
-    printf("manufactured %3d: L2 %.4f%% worst %.3f%% iterations %d\n", n, 100 * e.l2, 100 * e.worst, s.status.iterations);
+    printf("manufactured %3d: L2 %.4f%% worst %.3f%% iterations %d\n", n, 100 * e.l2, 100 * e.worst,
+           s.status.iterations);
     if (last > 0) {
       EXPECT_GT(std::log2(last / e.l2), 1.5);
     }
@@ -107,7 +110,8 @@ TEST_F(DiffusionConvergence, ManufacturedSolutionWithHundredfoldKappa) {
 
 // A slab cut out of an infinite one: the sides get the value that makes no flux.
 TEST_F(DiffusionConvergence, SlabOfTwoExponentials) {
-  const double kappa = 0.02, sigma_a = 0.5, l = std::sqrt(kappa / sigma_a), A = boundary_constant(internal_diffuse_reflectance(1.3));
+  const double kappa = 0.02, sigma_a = 0.5, l = std::sqrt(kappa / sigma_a),
+               A = boundary_constant(internal_diffuse_reflectance(1.3));
   const auto phi = [&](glm::dvec3 p) { return std::exp(p.y / l) + 0.3 * std::exp(-p.y / l); };
   const auto slope = [&](glm::dvec3 p) { return (std::exp(p.y / l) - 0.3 * std::exp(-p.y / l)) / l; };
   const Mesh mesh = box({0.8f, 0.31f, 0.8f}, 16);

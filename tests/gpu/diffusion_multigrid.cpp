@@ -50,13 +50,15 @@ TEST_F(GpuMultigrid, HierarchyEqualsTwin) {
         if (l > 0) {
           const std::vector<float> got = gpu::download<float>(context, multigrid.levels()[l].stencil);
           for (int k = 0; k <= twin::diagonal; ++k)
-            EXPECT_LT(worst_difference(unpack(got, a.grid, k, DIFFUSION_COARSE_ENTRIES, channel), a.a[k]), 1e-4) << l << " entry " << k;
+            EXPECT_LT(worst_difference(unpack(got, a.grid, k, DIFFUSION_COARSE_ENTRIES, channel), a.a[k]), 1e-4)
+                << l << " entry " << k;
         }
         if (l + 1 < expected.levels().size()) {
           const std::vector<float> got = gpu::download<float>(context, multigrid.levels()[l].weights);
           const twin::Interpolation& p = expected.interpolations()[l];
           for (int k = 0; k < DIFFUSION_WEIGHTS; ++k)
-            EXPECT_LT(worst_difference(unpack(got, p.coarse, k, DIFFUSION_WEIGHTS, channel), p.p[k]), 1e-4) << l << " weight " << k;
+            EXPECT_LT(worst_difference(unpack(got, p.coarse, k, DIFFUSION_WEIGHTS, channel), p.p[k]), 1e-4)
+                << l << " weight " << k;
         }
       }
       ++channel;
@@ -75,7 +77,8 @@ TEST_F(GpuMultigrid, CycleEqualsTwin) {
     multigrid.set_up();
     twin::Multigrid expected(problem.a);
     twin::Vector r = random_on(problem.a, 7), first = r, z;
-    for (std::size_t i = 0; i < r.size(); ++i) first[i] *= multigrid.first_omega() * expected.levels().front().inverse_l1[i];
+    for (std::size_t i = 0; i < r.size(); ++i)
+      first[i] *= multigrid.first_omega() * expected.levels().front().inverse_l1[i];
     gpu::upload(context, multigrid.finest().b, pack({&r}, problem.a.grid));
     gpu::upload(context, multigrid.finest().x, pack({&first}, problem.a.grid));
     const gpu::Buffer partials(context, tiles.count * DIFFUSION_PARTIALS * sizeof(float), "partials");

@@ -43,7 +43,8 @@ TEST_F(GpuDiffusion, OperatorAndResidualEqualTwin) {
     }
     twin::Vector reaction = problem.absorption, x(grid.size(), 0.0), r;
     for (std::size_t i = 0; i < reaction.size(); ++i) reaction[i] += problem.facet_conductance[i];
-    EXPECT_LT(worst_difference(unpack(stencil, grid, DIFFUSION_REACTION, DIFFUSION_FINEST_ENTRIES, channel), reaction), 1e-4);
+    EXPECT_LT(worst_difference(unpack(stencil, grid, DIFFUSION_REACTION, DIFFUSION_FINEST_ENTRIES, channel), reaction),
+              1e-4);
     for (int z = 0; z < grid.n.z; ++z)
       for (int y = 0; y < grid.n.y; ++y)
         for (int i = 0; i < grid.n.x; ++i) x[grid.at({i, y, z})] = phi.at({i, y, z}, channel);
@@ -60,13 +61,15 @@ TEST_F(GpuDiffusion, OperatorAndResidualEqualTwin) {
 
 TEST_F(GpuDiffusion, ChannelsAgreeAndRunsRepeatBitForBit) {
   const MediumField grey = [](glm::dvec3 p) { return MediumPoint{glm::dvec3(p.x > 0 ? 20 : 200), glm::dvec3(0.3)}; };
-  Body one(context, icosphere(4, 0.5f), 24, grey, 1), three(context, icosphere(4, 0.5f), 24, grey, 3), again(context, icosphere(4, 0.5f), 24, grey, 3);
+  Body one(context, icosphere(4, 0.5f), 24, grey, 1), three(context, icosphere(4, 0.5f), 24, grey, 3),
+      again(context, icosphere(4, 0.5f), 24, grey, 3);
   one.solve(glm::vec3(0.7f));
   three.solve(glm::vec3(0.7f));
   again.solve(glm::vec3(0.7f));
   const FluenceField a = one.fluence(), b = three.fluence(), c = again.fluence();
   ASSERT_EQ(b.phi.size(), 3 * a.phi.size());
-  for (std::size_t i = 0; i < b.phi.size(); ++i) ASSERT_EQ(b.phi[i], a.phi[i % a.phi.size()]) << i << " of " << a.phi.size();
+  for (std::size_t i = 0; i < b.phi.size(); ++i)
+    ASSERT_EQ(b.phi[i], a.phi[i % a.phi.size()]) << i << " of " << a.phi.size();
   EXPECT_EQ(b.phi, c.phi);
 }
 
@@ -88,7 +91,8 @@ TEST_F(GpuDiffusion, ScaleOfSpaceAndLightDoesNotMatter) {
   std::vector<double> relative;
   for (double metres : {1e-3, 1.0, 1e3})
     for (float light : {1e-12f, 1.f, 1e12f}) {
-      Body body(context, icosphere(4, static_cast<float>(0.5 * metres)), 20, uniform_medium(0.02 * metres, 0.5 / metres));
+      Body body(context, icosphere(4, static_cast<float>(0.5 * metres)), 20,
+                uniform_medium(0.02 * metres, 0.5 / metres));
       const Solved solved = body.solve(glm::vec3(light));
       EXPECT_TRUE(solved.status.converged) << metres << " m, " << light << ": " << solved.status.reason;
       EXPECT_LT(solved.energy.imbalance(), 1e-4) << metres << " m, " << light;
@@ -101,7 +105,8 @@ TEST_F(GpuDiffusion, AWarmStartSavesWork) {
   Body body(context, icosphere(4, 0.5f), 32, uniform_medium(0.02, 0.5));
   std::vector<glm::vec3> gamma(body.cut_cells().size());
   const auto light = [&](double shift) {
-    for (std::size_t i = 1; i < gamma.size(); ++i) gamma[i] = glm::vec3(static_cast<float>(std::max(0.0, body.facet_centre(i).x + shift)));
+    for (std::size_t i = 1; i < gamma.size(); ++i)
+      gamma[i] = glm::vec3(static_cast<float>(std::max(0.0, body.facet_centre(i).x + shift)));
     return body.solve(gamma).status;
   };
   const SolverStatus cold = light(0), same = light(0), moved = light(0.01);
@@ -112,8 +117,10 @@ TEST_F(GpuDiffusion, AWarmStartSavesWork) {
 
 TEST_F(GpuDiffusion, ThinShapesAndOneLitFacetConverge) {
   const glm::dmat4 tilt = rotation({1, 2, 3}, 23);
-  const Mesh shapes[] = {box({1, 0.012f, 0.9f}), transformed(box({1, 0.012f, 0.8f}), tilt), transformed(cylinder(0.01f, 1, 8), tilt),
-                         joined(transformed(icosphere(3, 0.2f), translation({0.3, 0.2, 0})), transformed(icosphere(3, 0.2f), translation({-0.2, -0.3, 0.1}))),
+  const Mesh shapes[] = {box({1, 0.012f, 0.9f}), transformed(box({1, 0.012f, 0.8f}), tilt),
+                         transformed(cylinder(0.01f, 1, 8), tilt),
+                         joined(transformed(icosphere(3, 0.2f), translation({0.3, 0.2, 0})),
+                                transformed(icosphere(3, 0.2f), translation({-0.2, -0.3, 0.1}))),
                          icosphere(4, 0.5f)};
   for (const Mesh& mesh : shapes) {
     Body body(context, mesh, 36, uniform_medium(0.02, 0.5));
@@ -140,7 +147,8 @@ TEST_F(GpuDiffusion, ExtremeMediaEndHonestly) {
       Body body(context, icosphere(3, 0.5f), 20, field, 1, 1.5);
       const Solved solved = body.solve(glm::vec3(1));
       EXPECT_TRUE(solved.status.converged || !solved.status.reason.empty());
-      EXPECT_TRUE(solved.status.converged) << "kappa " << kappa << " absorption " << optical << ": " << solved.status.reason;
+      EXPECT_TRUE(solved.status.converged)
+          << "kappa " << kappa << " absorption " << optical << ": " << solved.status.reason;
       EXPECT_LT(solved.energy.imbalance(), 1e-4) << "kappa " << kappa << " absorption " << optical;
       for (double v : body.fluence().phi) ASSERT_TRUE(std::isfinite(v) && v >= -1e-5);
     }

@@ -20,14 +20,17 @@ TEST_F(GpuOptics, MatchesDoublePrecision) {
   std::vector<glm::vec4> inputs;
   for (float eta : {0.5f, 0.75f, 1.f, 1.0001f, 1.3f, 1.5f, 2.f, 3.f})
     for (float mu : {0.f, 1e-4f, 0.5f, 0.745356f, 1.f}) inputs.push_back({mu, eta, unit(random), unit(random)});
-  for (int i = 0; i < 200; ++i) inputs.push_back({unit(random), 0.5f + 2 * unit(random), 10 * unit(random), 5 * unit(random)});
+  for (int i = 0; i < 200; ++i)
+    inputs.push_back({unit(random), 0.5f + 2 * unit(random), 10 * unit(random), 5 * unit(random)});
   inputs.push_back({0.5f, 1.3f, 0, 0});
   inputs.push_back({0.5f, 1.3f, 1, 0});
 
   const gpu::Pass pass(context, "test/optics.comp");
-  const gpu::Buffer in = gpu::make_buffer(context, inputs, "inputs"), out(context, inputs.size() * sizeof(Values), "outputs");
+  const gpu::Buffer in = gpu::make_buffer(context, inputs, "inputs"),
+                    out(context, inputs.size() * sizeof(Values), "outputs");
   gpu::Commands commands(context);
-  commands.dispatch(pass, {inputs.size(), 1, 1}, {{"inputs", in}, {"outputs", out}}, static_cast<std::uint32_t>(inputs.size()));
+  commands.dispatch(pass, {inputs.size(), 1, 1}, {{"inputs", in}, {"outputs", out}},
+                    static_cast<std::uint32_t>(inputs.size()));
   commands.submit();
 
   const std::vector<Values> results = gpu::download<Values>(context, out);

@@ -1,5 +1,6 @@
-// Whole pictures on lavapipe against small EXRs of our own, committed beside this file. A change that moves a picture on
-// purpose renders them anew: ALABASTER_UPDATE_IMAGES=1 build/release/bin/test_image; then look at them before committing.
+// Whole pictures on lavapipe against small EXRs of our own, committed beside this file. A change that moves a picture
+// on purpose renders them anew: ALABASTER_UPDATE_IMAGES=1 build/release/bin/test_image; then look at them before
+// committing.
 #include <gtest/gtest.h>
 
 #include <cstdlib>
@@ -33,7 +34,8 @@ Scene studio() {
   Object lamp;
   lamp.name = "lamp";
   lamp.role = Role::emissive;
-  lamp.mesh = transformed(quad(0.1f, 0.1f), glm::dmat4(look_at({-0.15, 0.25, 0.15}, {0, 0.02, 0})) * rotation({1, 0, 0}, -90));
+  lamp.mesh =
+      transformed(quad(0.1f, 0.1f), glm::dmat4(look_at({-0.15, 0.25, 0.15}, {0, 0.02, 0})) * rotation({1, 0, 0}, -90));
   lamp.radiance = {30, 28, 25};
   scene.objects = {ground, lamp};
   Camera camera;
@@ -54,7 +56,8 @@ class Regression : public GpuTest {
     const std::string path = std::string(ALABASTER_TESTS) + "/image/" + name + ".exr";
     Picture picture;
     picture.width = 96, picture.height = 72;
-    for (const char* channel : {"R", "G", "B", "multiple.R", "multiple.G", "multiple.B", "fluence.G", "gamma_s.G", "Z", "object.Y"})
+    for (const char* channel :
+         {"R", "G", "B", "multiple.R", "multiple.G", "multiple.B", "fluence.G", "gamma_s.G", "Z", "object.Y"})
       picture.channels[channel] = result.shaded.picture.channels.at(channel);
     if (std::getenv("ALABASTER_UPDATE_IMAGES")) {
       write_exr(picture, path, true);
@@ -82,14 +85,19 @@ class Regression : public GpuTest {
 
 TEST_F(Regression, Torus) {
   Scene scene = studio();
-  scene.objects.push_back(solid("torus", transformed(torus(0.04f, 0.018f, 64, 32), translation({0, 0.04, 0}) * rotation({1, 0, 0}, 60)), {400, 500, 600}, {1, 3, 8}, 1.4));
+  scene.objects.push_back(
+      solid("torus", transformed(torus(0.04f, 0.018f, 64, 32), translation({0, 0.04, 0}) * rotation({1, 0, 0}, 60)),
+            {400, 500, 600}, {1, 3, 8}, 1.4));
   expect_same("torus", scene);
 }
 
 TEST_F(Regression, TwoObjectsOneOfThemVeined) {
   Scene scene = studio();
-  scene.objects.push_back(solid("ball", transformed(icosphere(4, 0.025f), translation({-0.04, 0.025, 0.02})), {800, 800, 800}, {0.5, 0.5, 0.5}, 1.3));
-  Object box_object = solid("block", transformed(box({0.05f, 0.06f, 0.04f}), translation({0.04, 0.031, -0.01}) * rotation({0, 1, 0}, 25)), {}, {}, 1.5);
+  scene.objects.push_back(solid("ball", transformed(icosphere(4, 0.025f), translation({-0.04, 0.025, 0.02})),
+                                {800, 800, 800}, {0.5, 0.5, 0.5}, 1.3));
+  Object box_object = solid(
+      "block", transformed(box({0.05f, 0.06f, 0.04f}), translation({0.04, 0.031, -0.01}) * rotation({0, 1, 0}, 25)), {},
+      {}, 1.5);
   Grid sigma_t{{4, 4, 4}, 1, {}}, albedo{{4, 4, 4}, 3, {}};
   for (int i = 0; i < 64; ++i) {
     sigma_t.values.push_back(i % 3 ? 900.f : 300.f);
@@ -106,7 +114,8 @@ TEST_F(Regression, SphereInUniformLightAsPrinted) {
   Scene scene = studio();
   scene.objects.pop_back();
   scene.environment.radiance = {1, 0.9f, 0.8f};
-  scene.objects.push_back(solid("sphere", transformed(icosphere(4, 0.035f), translation({0, 0.04, 0})), {300, 300, 300}, {0, 2, 20}, 1.3));
+  scene.objects.push_back(
+      solid("sphere", transformed(icosphere(4, 0.035f), translation({0, 0.04, 0})), {300, 300, 300}, {0, 2, 20}, 1.3));
   Request request;
   request.transport = Transport::as_printed;
   expect_same("sphere-as-printed", scene, request);

@@ -1,5 +1,5 @@
-// The whole renderer in the furnace. Convex objects must come out exact, pixel by pixel; concave ones miss the light that
-// their own surface sends them (theory: not carried by the report's model), and what they miss is reported here.
+// The whole renderer in the furnace. Convex objects must come out exact, pixel by pixel; concave ones miss the light
+// that their own surface sends them (theory: not carried by the report's model), and what they miss is reported here.
 #include "support/furnace.h"
 
 #include "support/device.h"
@@ -28,7 +28,8 @@ class Furnace : public GpuTest {
       EXPECT_GT(r.pixels, 3 * 1000u);
       EXPECT_NEAR(r.mean, 1, 1e-3) << "eta " << eta;
       EXPECT_LE(r.worst, 5e-3) << "eta " << eta;
-      RecordProperty("eta " + std::to_string(eta), "mean " + std::to_string(r.mean) + " worst " + std::to_string(r.worst));
+      RecordProperty("eta " + std::to_string(eta),
+                     "mean " + std::to_string(r.mean) + " worst " + std::to_string(r.worst));
       std::printf("eta %.1f: mean %.5f, worst pixel %.5f off\n", eta, r.mean, r.worst);
     }
   }

@@ -20,7 +20,9 @@ inline MediumField uniform_medium(double kappa, double sigma_a) {
 struct FluenceField {
   std::vector<double> phi;  // x fastest, [channel][z][y][x]
   glm::ivec3 n;
-  double at(glm::ivec3 c, int channel = 0) const { return phi[c.x + std::size_t(n.x) * (c.y + std::size_t(n.y) * (c.z + channel * n.z))]; }
+  double at(glm::ivec3 c, int channel = 0) const {
+    return phi[c.x + std::size_t(n.x) * (c.y + std::size_t(n.y) * (c.z + channel * n.z))];
+  }
 };
 
 struct Solved {
@@ -38,7 +40,8 @@ class Body {
         domain_(make_domain(context, mesh, choose_frame(bounds_of(mesh), cells))),
         cut_cells_(gpu::download<GpuCutCell>(context, domain_.cut_cells)),
         f_dt_(1 - internal_diffuse_reflectance(eta)),
-        diffusion_(context, solver_passes_, passes_, domain_, sample_medium(context, domain_, field, channels), eta, options) {}
+        diffusion_(context, solver_passes_, passes_, domain_, sample_medium(context, domain_, field, channels), eta,
+                   options) {}
 
   Solved solve(const std::vector<glm::vec3>& gamma_s) {
     const gpu::Buffer buffer = gpu::make_buffer(context_, gamma_s, "gamma_s");
@@ -55,7 +58,8 @@ class Body {
     const std::vector<FluenceScale> scales = gpu::download<FluenceScale>(context_, diffusion_.scales());
     FluenceField field{{}, domain_.frame.cells};
     const std::size_t cells = high.size() / diffusion_.multigrid().channels();
-    for (std::size_t i = 0; i < high.size(); ++i) field.phi.push_back((double(high[i]) + low[i]) * scales[i / cells].unit);
+    for (std::size_t i = 0; i < high.size(); ++i)
+      field.phi.push_back((double(high[i]) + low[i]) * scales[i / cells].unit);
     return field;
   }
 
@@ -77,7 +81,8 @@ class Body {
   }
 
   glm::dvec3 facet_centre(std::size_t i) const {
-    return glm::dvec3(domain_.frame.origin) + double(domain_.frame.h) * (glm::dvec3(cut_cells_[i].cell) + glm::dvec3(cut_cells_[i].facet.centre));
+    return glm::dvec3(domain_.frame.origin) +
+           double(domain_.frame.h) * (glm::dvec3(cut_cells_[i].cell) + glm::dvec3(cut_cells_[i].facet.centre));
   }
   const Domain& domain() const { return domain_; }
   const std::vector<GpuCutCell>& cut_cells() const { return cut_cells_; }

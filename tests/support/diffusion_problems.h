@@ -39,7 +39,8 @@ inline twin::Vector unpack(const std::vector<float>& packed, const twin::Lattice
   for (int z = 0; z < grid.n.z; ++z)
     for (int y = 0; y < grid.n.y; ++y)
       for (int x = 0; x < grid.n.x; ++x)
-        v[grid.at({x, y, z})] = packed[x + std::size_t(nx) * (k + count * (y + std::size_t(grid.n.y) * (z + channel * grid.n.z)))];
+        v[grid.at({x, y, z})] =
+            packed[x + std::size_t(nx) * (k + count * (y + std::size_t(grid.n.y) * (z + channel * grid.n.z)))];
   return v;
 }
 

@@ -24,7 +24,9 @@ inline Scene furnace_scene(Mesh mesh, double eta, double g = 0) {
   scene.objects.push_back(std::move(object));
   Camera camera;
   const float distance = 1.6f * glm::length(bounds.size());
-  camera.to_world = glm::mat4(look_at(glm::dvec3(bounds.centre()) + glm::dvec3(distance * glm::normalize(glm::vec3(0.5f, 0.6f, 1.f))), glm::dvec3(bounds.centre())));
+  camera.to_world =
+      glm::mat4(look_at(glm::dvec3(bounds.centre()) + glm::dvec3(distance * glm::normalize(glm::vec3(0.5f, 0.6f, 1.f))),
+                        glm::dvec3(bounds.centre())));
   scene.cameras.push_back(camera);
   scene.environment.radiance = glm::vec3(1);
   return scene;

@@ -25,7 +25,8 @@ inline std::string quoted(const std::string& word) {
 }
 
 /// `program` is a name in the build's bin folder; `environment` are NAME=VALUE words.
-inline Outcome run_program(const std::string& program, const std::vector<std::string>& arguments, const std::string& environment = "") {
+inline Outcome run_program(const std::string& program, const std::vector<std::string>& arguments,
+                           const std::string& environment = "") {
   const TempFolder folder;
   std::string line = "ALABASTER_VALIDATION=1 " + environment + " " + quoted(std::string(ALABASTER_BIN) + "/" + program);
   for (const std::string& argument : arguments) line += " " + quoted(argument);

@@ -11,7 +11,7 @@ TEST(Optics, FresnelAtNormalIncidenceBrewsterAndTotalReflection) {
   EXPECT_NEAR(fresnel_reflectance(1.0, 1 / 1.5), 0.04, 1e-12);
   EXPECT_EQ(fresnel_reflectance(0.0, 1.5), 1.0);
   EXPECT_EQ(fresnel_reflectance(0.7, 1.0), 0.0);
-  EXPECT_EQ(fresnel_reflectance(0.3, 1 / 1.5), 1.0);  // critical cosine 0.745
+  EXPECT_EQ(fresnel_reflectance(0.3, 1 / 1.5), 1.0);     // critical cosine 0.745
   const double brewster = 1 / std::sqrt(1 + 1.5 * 1.5);  // p-polarised light passes whole there
   const double t = refracted_cosine(brewster, 1.5), s = (brewster - 1.5 * t) / (brewster + 1.5 * t);
   EXPECT_NEAR(fresnel_reflectance(brewster, 1.5), s * s / 2, 1e-12);
@@ -72,8 +72,10 @@ TEST(Optics, FurnaceOfTheQuery) {
     const double gamma = pi * L * (1 - diffuse_reflectance(eta)), phi = dsbc_source(gamma, f_dt);
     for (double mu : {0.1, 0.5, 1.0}) {
       const double f_t = fresnel_transmittance(mu, eta);
-      EXPECT_NEAR(query_radiance(query_bracket(phi, gamma, A, f_dt), f_t, 1 / (eta * eta)), f_t * L, 1e-6 * L) << eta << " " << mu;
-      EXPECT_NEAR(query_radiance(query_bracket(phi, gamma, A, f_dt), f_t, 1.0), f_t * L * eta * eta, 1e-5 * L);  // trap 1
+      EXPECT_NEAR(query_radiance(query_bracket(phi, gamma, A, f_dt), f_t, 1 / (eta * eta)), f_t * L, 1e-6 * L)
+          << eta << " " << mu;
+      EXPECT_NEAR(query_radiance(query_bracket(phi, gamma, A, f_dt), f_t, 1.0), f_t * L * eta * eta,
+                  1e-5 * L);  // trap 1
     }
   }
 }
