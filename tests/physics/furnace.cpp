@@ -2,6 +2,10 @@
 // that their own surface sends them (theory: not carried by the report's model), and what they miss is reported here.
 #include "support/furnace.h"
 
+#include <filesystem>
+
+#include "scene/off.h"
+
 #include "support/device.h"
 
 namespace alabaster {
@@ -69,6 +73,19 @@ TEST_F(Furnace, ConcaveObjectsMissTheirOwnLight) {
     std::printf("torus, eta %.1f: mean %.4f, worst pixel %.4f off\n", eta, r.mean, r.worst);
     EXPECT_LT(r.mean, 0.9995);  // it is there ...
     EXPECT_GT(r.mean, 0.9);     // ... and it is all that is missing
+  }
+}
+
+TEST_F(Furnace, BunnyMissesItsOwnLight) {
+  const std::string path = std::string(ALABASTER_MESHES) + "/bunny00.off";
+  if (!std::filesystem::exists(path)) GTEST_SKIP() << path << " is not there; third_party/fetch-meshes brings it";
+  Mesh mesh = read_off(path);
+  const float scale = 2 / bounds_of(mesh).size().y;
+  for (double eta : {1.0, 1.5}) {
+    const test::FurnaceResult r = render(transformed(mesh, scaling(glm::dvec3(scale))), eta);
+    std::printf("bunny, eta %.1f: mean %.4f, worst pixel %.4f off\n", eta, r.mean, r.worst);
+    EXPECT_LT(r.mean, 0.9995);
+    EXPECT_GT(r.mean, 0.85);
   }
 }
 
