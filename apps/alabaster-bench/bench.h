@@ -14,5 +14,6 @@ inline double median(std::vector<double> values) {
 }
 
 void add_stages(CLI::App& app);
+void add_accuracy(CLI::App& app);
 
 }  // namespace alabaster
