@@ -24,12 +24,13 @@ PlanarRefraction refract_between(glm::dvec3 x, glm::dvec3 y, glm::dvec3 p, glm::
   }
   PlanarRefraction r;
   r.point = foot + (width > 0 ? a / width : 0.0) * across;
-  r.cosine_near = near / std::hypot(a, near);
-  r.cosine_far = far / std::hypot(width - a, far);
+  const double u = std::sqrt(a * a + near * near), b = width - a, v = std::sqrt(b * b + far * far);
+  r.cosine_near = near / u;
+  r.cosine_far = far / v;
   // d(width)/d(angle near), and sin(near)/width, which has a limit straight ahead.
   const double turn = ratio * r.cosine_near / r.cosine_far;  // d(angle far)/d(angle near)
   const double widening = near / (r.cosine_near * r.cosine_near) + far / (r.cosine_far * r.cosine_far) * turn;
-  const double sine_over_width = a > 1e-9 * (near + far) ? a / std::hypot(a, near) / width : 1 / (near + ratio * far);
+  const double sine_over_width = a > 1e-9 * (near + far) ? a / u / width : 1 / (near + ratio * far);
   r.spread = sine_over_width / widening / r.cosine_far;
   return r;
 }
