@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "reference/refraction.h"
 #include "shared/optics.h"
 
 namespace alabaster {
@@ -18,9 +19,11 @@ struct Path {
   Inside inside;
   bool on_surface = false;  // the origin lies on a surface
   Leaving leaving;
-  // The last vertex that could see the lights, for the balance heuristic; `blind` where there was none, or a mirror
-  // since.
-  bool blind = true;
+  // How the last vertex saw the lights, for the balance heuristic: not at all (or a mirror came since), straight, or
+  // through the surface of the object it is in, which the path may leave once.
+  enum class Sight { none, straight, refracted } sight = Sight::none;
+  Inside vertex_inside;
+  Leaving exit;  // refracted sight: the triangle through which the path left
   glm::vec3 vertex{0};
   float direction_density = 0;  // 1/sr
   // Ball that holds no surface.
@@ -212,7 +215,7 @@ class Tracer {
     if (!roulette(path)) return false;
     const float cosine = phase_cosine(g, random_.uniform());
     path.direction = g == 0 ? from_axis(cosine, random_.uniform()) : around(before, cosine, random_.uniform());
-    path.direction_density = path.blind ? 0.0f : phase_value(g, cosine);
+    path.direction_density = path.sight == Path::Sight::none ? 0.0f : phase_value(g, cosine);
     return true;
   }
 
@@ -251,13 +254,13 @@ class Tracer {
       path.inside = beyond;
       return true;
     }
-    path.blind = true;
     const glm::vec3 n = entering ? hit.normal : -hit.normal;
     const float cosine = std::clamp(-glm::dot(path.direction, n), 0.0f, 1.0f);
     const float reflectance = fresnel_reflectance(cosine, ratio);
     const glm::vec3 mirrored = glm::normalize(path.direction + 2 * cosine * n);
     if (first && reflectance < 1) {
       mirrored_ = path;
+      mirrored_.sight = Path::Sight::none;
       mirrored_.direction = mirrored;
       mirrored_.throughput *= reflectance;
       mirrored_.mirrored_first = entering;
@@ -265,11 +268,17 @@ class Tracer {
       path.throughput *= 1 - reflectance;
     } else if (random_.uniform() < reflectance) {
       path.direction = mirrored;
+      path.sight = Path::Sight::none;
       if (first) path.mirrored_first = entering;
       return true;
     }
     const float below = refracted_cosine(cosine, ratio);
     path.direction = glm::normalize((path.direction + cosine * n) / ratio - below * n);
+    const bool leaves_as_seen = path.sight == Path::Sight::refracted && path.exit.object == nothing && !entering;
+    if (leaves_as_seen)
+      path.exit = hit.where;
+    else
+      path.sight = Path::Sight::none;
     path.inside = beyond;
     path.entries += entering;
     return true;
@@ -279,10 +288,19 @@ class Tracer {
     const float cosine = -glm::dot(path.direction, hit.normal);
     if (cosine <= 0 && !body.two_sided) return;
     float share = 1;
-    if (!path.blind) {
+    if (path.sight == Path::Sight::straight) {
       const glm::vec3 way = hit.point - path.vertex;
       const float light_density = body.light_density * glm::dot(way, way) / std::max(std::abs(cosine), 1e-6f);
       share = path.direction_density / (path.direction_density + light_density);
+    } else if (path.sight == Path::Sight::refracted && path.exit.object != nothing) {
+      // Only what would have been found counts as seen.
+      RefractedWay way;
+      if (RefractedWays(world_, path.vertex, path.vertex_inside, bending(path.vertex_inside))
+              .through(hit.point, path.exit, way)) {
+        const float light_density =
+            body.light_density / std::max(std::abs(cosine) * static_cast<float>(way.bend.spread), 1e-20f);
+        share = path.direction_density / (path.direction_density + light_density);
+      }
     }
     collect(path, share * body.radiance);
   }
@@ -304,9 +322,17 @@ class Tracer {
   // Next-event estimation at the path's origin. `lobe` gives (value, density) of a direction, 1/sr.
   template <class Lobe>
   void see_lights(Path& path, Lobe lobe) {
-    path.blind = !world_.has_lights() || behind_glass(path.inside);
+    path.sight = !world_.has_lights()        ? Path::Sight::none
+                 : behind_glass(path.inside) ? Path::Sight::refracted
+                                             : Path::Sight::straight;
+    // Not for a wall inside an object, nor through a surface that only parts objects of one index.
+    if (path.sight == Path::Sight::refracted &&
+        (!world_.body(path.inside.top()).aims || path.on_surface || bending(path.inside) == 1))
+      path.sight = Path::Sight::none;
+    if (path.sight == Path::Sight::none) return;
     path.vertex = path.origin;
-    if (path.blind) return;
+    path.vertex_inside = path.inside;
+    path.exit = {};
     // Deep inside hardly any light arrives unscattered: ask seldom there, and count what arrives more.
     float asked = 1;
     if (!path.inside.empty() && !path.on_surface) {
@@ -315,6 +341,14 @@ class Tracer {
       if (asked < 1 && random_.uniform() >= asked) return;
     }
     const LightPoint light = world_.sample_light(random_);
+    if (path.sight == Path::Sight::refracted)
+      see_through_surface(path, light, asked, lobe);
+    else
+      see_straight(path, light, asked, lobe);
+  }
+
+  template <class Lobe>
+  void see_straight(Path& path, const LightPoint& light, float asked, Lobe lobe) {
     const Body& body = world_.body(light.object);
     const glm::vec3 way = light.point - path.origin;
     const float square = glm::dot(way, way), distance = std::sqrt(square);
@@ -332,8 +366,42 @@ class Tracer {
         path.weight() * body.radiance * arrives * (share * value_density.x / (light_density * asked * n * n));
   }
 
-  // Surfaces of another index bend light: nothing is seen straight through them.
+  template <class Lobe>
+  void see_through_surface(Path& path, const LightPoint& light, float asked, Lobe lobe) {
+    RefractedWays(world_, path.origin, path.inside, bending(path.inside))
+        .each(light.point, [&](const RefractedWay& way) { see_along(path, light, way, lobe(way.direction), asked); });
+  }
+
+  // `value`: the lobe's value and density in the way's direction, 1/sr.
+  void see_along(const Path& path, const LightPoint& light, const RefractedWay& way, glm::vec2 value, float asked) {
+    const Body& body = world_.body(light.object);
+    const glm::vec3 exit(way.bend.point), onward = light.point - exit;
+    const float distance = glm::length(onward);
+    if (!(distance > 0)) return;
+    const float cosine = -glm::dot(light.normal, onward) / distance;
+    if (cosine == 0 || (cosine < 0 && !body.two_sided)) return;
+    const float light_density =
+        body.light_density / std::max(std::abs(cosine) * static_cast<float>(way.bend.spread), 1e-20f);
+    const float share = light_density / (light_density + value.y);
+    glm::vec3 arrives(fresnel_transmittance(static_cast<float>(way.bend.cosine_near), 1 / bending(path.inside)));
+    if (!pass(path.inside, path.origin, way.direction, way.distance, arrives)) return;
+    Path outside = path;
+    outside.origin = exit;
+    outside.on_surface = true;
+    outside.inside.remove(path.inside.top());
+    arrives *= transmittance(outside, onward / distance, distance, light.object);
+    const float n = index_of(outside.inside);
+    sample_.radiance[static_cast<std::size_t>(path.layer())] +=
+        path.weight() * body.radiance * arrives * (share * value.x / (light_density * asked * n * n));
+  }
+
   bool behind_glass(const Inside& inside) const { return index_of(inside) != 1; }
+  // Index of the innermost object over that of what surrounds it.
+  float bending(const Inside& inside) const {
+    Inside beyond = inside;
+    beyond.remove(inside.top());
+    return index_of(inside) / index_of(beyond);
+  }
 
   // Of the straight way to a point on light `target`; 0 where something else or a refracting surface is in between.
   glm::vec3 transmittance(const Path& path, glm::vec3 direction, float distance, std::uint32_t target) {

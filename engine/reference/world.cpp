@@ -3,6 +3,7 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <numeric>
 #include <stdexcept>
 
 #include "scene/error.h"
@@ -10,7 +11,8 @@
 namespace alabaster {
 namespace {
 
-constexpr float worth_depth = 10;  // mean free paths across below which distances are not worth their making
+constexpr float worth_aiming = 0.03f;  // chance of light below which aiming at it costs less time to equal error
+constexpr float worth_depth = 10;      // mean free paths across below which distances are not worth their making
 
 float largest(glm::vec3 v) { return std::max({v.x, v.y, v.z}); }
 
@@ -39,7 +41,7 @@ void World::accept_or_reject(const RTCFilterFunctionNArguments* call) {
   if (entering == query->inside->holds(hit->geomID) || (entering && query->inside->full())) call->valid[0] = 0;
 }
 
-World::World(const Scene& scene) : device_(rtcNewDevice(nullptr)), environment_(scene.environment.radiance) {
+World::World(const Scene& scene, Aim aim) : device_(rtcNewDevice(nullptr)), environment_(scene.environment.radiance) {
   if (!device_) throw std::runtime_error("Embree: no device could be made");
   scene_.reset(rtcNewScene(device_.get()));
   rtcSetSceneFlags(scene_.get(),
@@ -66,6 +68,9 @@ World::World(const Scene& scene) : device_(rtcNewDevice(nullptr)), environment_(
   for (double& weight : light_weights_) weight /= power;
   for (Body& body : bodies_)
     body.light_density = static_cast<float>(static_cast<double>(largest(body.radiance)) / power);
+  for (std::uint32_t id = 0; id < bodies_.size(); ++id)
+    bodies_[id].aims =
+        aim == Aim::always || (aim == Aim::automatic && chance_of_light(shapes_[id].bounds.centre()) < worth_aiming);
   distances_.resize(bodies_.size());
   for (std::uint32_t id = 0; id < bodies_.size(); ++id)
     if (bodies_[id].role == Role::translucent) measure_distances(id);
@@ -78,6 +83,16 @@ void World::add_geometry(std::uint32_t id) {
     const glm::dvec3 n = glm::cross(b - a, c - a);
     const double length = glm::length(n);
     shape.normals.push_back(length > 0 ? glm::vec3(n / length) : glm::vec3(0, 0, 1));
+  }
+  if (bodies_[id].role == Role::translucent) {
+    shape.first_at.assign(shape.mesh.positions.size() + 1, 0);
+    for (glm::uvec3 t : shape.mesh.triangles)
+      for (int k = 0; k < 3; ++k) ++shape.first_at[t[k] + 1];
+    std::partial_sum(shape.first_at.begin(), shape.first_at.end(), shape.first_at.begin());
+    std::vector<std::uint32_t> next = shape.first_at;
+    shape.at_vertex.resize(3 * shape.mesh.triangles.size());
+    for (std::uint32_t t = 0; t < shape.mesh.triangles.size(); ++t)
+      for (int k = 0; k < 3; ++k) shape.at_vertex[next[shape.mesh.triangles[t][k]]++] = t;
   }
   RTCGeometry geometry = rtcNewGeometry(device_.get(), RTC_GEOMETRY_TYPE_TRIANGLE);
   void* positions = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(glm::vec3),
@@ -130,6 +145,25 @@ void World::add_lights(std::uint32_t id) {
     light_weights_.push_back((light_weights_.empty() ? 0.0 : light_weights_.back()) +
                              area * static_cast<double>(largest(body.radiance)));
   }
+}
+
+// (mean radiance)^2 / (mean squared radiance) over the sphere of directions, seen without occlusion: 1 in uniform
+// light, the solid angle's share for one lamp. Its inverse is the variance of meeting light by chance.
+float World::chance_of_light(glm::vec3 from) const {
+  const float sky = largest(environment_);
+  float mean = sky, square = sky * sky;
+  for (Leaving at : light_triangles_) {
+    const auto corners = this->corners(at);
+    const glm::vec3 way = (corners[0] + corners[1] + corners[2]) / 3.0f - from;
+    const float cosine = -glm::dot(way, normal(at)) / std::max(glm::length(way), 1e-20f);
+    const float facing = bodies_[at.object].two_sided ? std::abs(cosine) : std::max(0.0f, cosine);
+    const float area = 0.5f * glm::length(glm::cross(corners[1] - corners[0], corners[2] - corners[0]));
+    const float share = std::min(0.5f, area * facing / std::max(glm::dot(way, way), 1e-20f) / (4 * pi));
+    const float radiance = largest(bodies_[at.object].radiance);
+    mean += share * radiance;
+    square += share * radiance * radiance;
+  }
+  return square > 0 ? mean * mean / square : 1;
 }
 
 LightPoint World::sample_light(Random& random) const {

@@ -49,6 +49,7 @@ struct Body {
   glm::vec3 albedo{0};      // opaque
   glm::vec3 radiance{0};    // emissive, W/m^2/sr
   bool two_sided = false;   // emissive
+  bool aims = false;        // translucent: paths inside look for the lights through its surface
   float light_density = 0;  // emissive: probability per area that sample_light() picks a point, 1/m^2
 };
 
@@ -71,9 +72,13 @@ struct LightPoint {
   std::uint32_t object = nothing;
 };
 
+/// Whether paths inside refracting objects look for the lights through the surface (RefractedWays), which costs several
+/// times the rays, or meet them by chance, which is noisy where lights are small. Either is unbiased.
+enum class Aim { automatic, always, never };
+
 class World {
  public:
-  explicit World(const Scene& scene);
+  explicit World(const Scene& scene, Aim aim = Aim::automatic);
 
   /// The first surface that matters within `far` (m): translucent ones that `inside` allows to be crossed, and every
   /// other but the triangle that is left.
@@ -82,6 +87,28 @@ class World {
 
   /// A lower bound of the distance (m) from a point inside `object` to any surface; 0 where nothing is known.
   float clearance(std::uint32_t object, glm::vec3 point) const { return distances_[object].clearance(point); }
+
+  glm::vec3 normal(Leaving where) const { return shapes_[where.object].normals[where.triangle]; }
+  std::array<glm::vec3, 3> corners(Leaving where) const {
+    const Mesh& mesh = shapes_[where.object].mesh;
+    const glm::uvec3 t = mesh.triangles[where.triangle];
+    return {mesh.positions[t.x], mesh.positions[t.y], mesh.positions[t.z]};
+  }
+  /// Calls `use` once with every other triangle that shares a vertex with this one (translucent objects only).
+  template <class Use>
+  void around(Leaving where, Use use) const {
+    const Shape& shape = shapes_[where.object];
+    const glm::uvec3 own = shape.mesh.triangles[where.triangle];
+    for (int k = 0; k < 3; ++k)
+      for (std::uint32_t i = shape.first_at[own[k]]; i < shape.first_at[own[k] + 1]; ++i) {
+        const std::uint32_t triangle = shape.at_vertex[i];
+        const glm::uvec3 other = shape.mesh.triangles[triangle];
+        // One that shares an edge is met at two vertices: counted at the earlier.
+        bool earlier = false;
+        for (int j = 0; j < k; ++j) earlier = earlier || glm::any(glm::equal(other, glm::uvec3(own[j])));
+        if (triangle != where.triangle && !earlier) use(triangle);
+      }
+  }
 
   const Body& body(std::uint32_t object) const { return bodies_[object]; }
   float nudge() const { return nudge_; }  // m: rays that leave a surface start this far before it
@@ -102,6 +129,8 @@ class World {
     Mesh mesh;
     std::vector<glm::vec3> normals;  // of its triangles
     Bounds bounds;
+    std::vector<std::uint32_t> first_at,
+        at_vertex;  // triangles at vertex v: at_vertex[first_at[v]] up to first_at[v + 1]
   };
   struct EmbreeRelease {
     void operator()(RTCDeviceTy* device) const { rtcReleaseDevice(device); }
@@ -112,6 +141,7 @@ class World {
   void add_geometry(std::uint32_t id);
   void add_lights(std::uint32_t id);
   void measure_distances(std::uint32_t id);
+  float chance_of_light(glm::vec3 from) const;
 
   std::unique_ptr<RTCDeviceTy, EmbreeRelease> device_;
   std::unique_ptr<RTCSceneTy, EmbreeRelease> scene_;

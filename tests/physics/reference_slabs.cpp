@@ -82,6 +82,26 @@ TEST(ReferenceSlabs, HalfSpaces) {
   }
 }
 
+// The same under a shining ceiling in place of the environment: an area light, seen through the surface
+// (RefractedWays).
+TEST(ReferenceSlabs, HalfSpacesUnderACeiling) {
+  struct Row {
+    double eta, albedo, g, reflected;
+  };
+  for (const Row& row : {Row{1.0, .99, 0, .75272}, Row{1.3, .99, 0, .6624}, Row{1.5, .9, 0, .25993},
+                         Row{1.5, .99, 0, .6020}, Row{1.5, .99, .9, .26048}}) {
+    const double depth = 6 / std::sqrt(3 * (1 - row.albedo) * (1 - row.g * row.albedo)), width = 4 * depth;
+    Scene scene = slab(depth, width, homogeneous(glm::dvec3(row.albedo), glm::dvec3(1 - row.albedo), row.g), row.eta);
+    scene.environment.radiance = glm::vec3(0);
+    const float size = static_cast<float>(20 * width);
+    Mesh ceiling = transformed(flipped(quad(size, size)), translation({0, 0.02 * depth, 0}));
+    scene.objects.push_back(emitter(transformed(ceiling, rotation({1, 0, 0}, 90)), glm::vec3(1)));
+    World world(scene, Aim::always);
+    expect_within(label("ceiling: eta %.1f albedo %.2f", row.eta, row.albedo).c_str(),
+                  normal(world, depth, false, 20000 * study_factor(), 11), row.reflected);
+  }
+}
+
 // The same with forward scattering; exact by adding-doubling.
 TEST(ReferenceSlabs, HalfSpacesForwardScattering) {
   struct Row {

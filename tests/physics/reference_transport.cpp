@@ -108,6 +108,26 @@ TEST(ReferenceTransport, NextEventEstimationAgreesWithChance) {
   expect_equal(render_reference(scene, options), seen, "next-event estimation");
 }
 
+// On curved and concave meshes, faceted coarsely so that many ways have two bends: aiming at a lamp through the surface
+// agrees with meeting it by chance, and is the less noisy of the two.
+TEST(ReferenceTransport, AimingThroughTheSurfaceAgreesWithChance) {
+  for (const Mesh& mesh : {icosphere(2), torus(0.7f, 0.35f, 24, 12)}) {
+    Scene scene;
+    scene.objects.push_back(translucent(mesh, homogeneous(glm::dvec3(6), glm::dvec3(0.1), 0.3), 1.4));
+    scene.objects.push_back(emitter(transformed(flipped(quad(1, 1)), translation({0, 1.8, 0})), glm::vec3(10)));
+    const World aiming(scene, Aim::always), chance(scene, Aim::never);
+    const auto draw = [](Random& random) {
+      const glm::vec3 eye(0.8f, 3, 2), at(random.uniform() - 0.5f, 0, random.uniform() - 0.5f);
+      return Ray{eye, glm::normalize(at - eye)};
+    };
+    const Estimate aimed = radiance(aiming, 60000, 40, draw), met = radiance(chance, 400000, 41, draw);
+    std::printf("aimed %.4f +- %.4f, by chance %.4f +- %.4f\n", aimed.mean.x, aimed.error.x, met.mean.x, met.error.x);
+    EXPECT_NEAR(aimed.mean.x, met.mean.x, 3 * std::hypot(aimed.error.x, met.error.x));
+    EXPECT_LT(met.error.x, 0.02 * met.mean.x);
+    EXPECT_LT(aimed.error.x * std::sqrt(60000.0), met.error.x * std::sqrt(400000.0));
+  }
+}
+
 // A medium that varies, against brute force: unscattered light by quadrature, once scattered light by marching both
 // legs in small steps through Medium::at, which the tracer does not use.
 TEST(ReferenceTransport, VaryingGridAgreesWithRayMarching) {
