@@ -40,7 +40,7 @@ void solve(gpu::Context& context, const Lighting& lighting, Body& body, double e
   }
   Stage stage(result, "solve");
   ObjectReport& report = result.objects.emplace_back();
-  report.solver = body.diffusion->solve(body.source->gamma_s());
+  report.solver = body.diffusion->solve(body.source->gamma_s(), &body.source->side_gamma_s());
   report.energy = body.diffusion->energy(body.source->gamma_s());
 }
 
@@ -118,9 +118,10 @@ RenderResult render_scene(gpu::Context& context, const Scene& scene, const Plan&
                        plan.camera,
                        {plan.size},
                        plan.transport == Transport::report ? Exit::report : Exit::as_printed};
-  for (const auto& body : bodies)
-    input.surfaces.push_back({static_cast<int>(body->object), &body->diffusion->surface(),
-                              &body->diffusion->surface_gamma(), body->domain.frame});
+  for (const auto& body : bodies) {
+    const Diffusion& d = *body->diffusion;
+    input.surfaces.push_back({static_cast<int>(body->object), {&d.surface(0), &d.surface(1)}, {&d.surface_gamma(0), &d.surface_gamma(1)}, body->domain.frame});
+  }
   result.shaded = shading->shade(input);
   return result;
 }

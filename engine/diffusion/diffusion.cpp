@@ -26,6 +26,10 @@ TileList tile_list(gpu::Context& context, const Domain& domain) {
 
 static_assert(4 * DIFFUSION_TILE_X == tile_size_x && DIFFUSION_TILE_Y == tile_size_y);
 
+gpu::Image surface_image(gpu::Context& context, const Domain& domain, const std::string& name) {
+  return gpu::image3d(context, domain.frame.cells, VK_FORMAT_R32G32B32A32_SFLOAT, name);
+}
+
 }  // namespace
 
 FluencePasses::FluencePasses(gpu::Context& c)
@@ -56,8 +60,8 @@ Diffusion::Diffusion(gpu::Context& context, const DiffusionPasses& solver_passes
       cut_count_(static_cast<int>(domain.summary.cut_cells) + 1),
       tiles_(tile_list(context, domain)),
       absorption_(packed_image(context, domain.frame.cells, medium.channels, 1, "absorption")),
-      surface_(gpu::image3d(context, domain.frame.cells, VK_FORMAT_R32G32B32A32_SFLOAT, "surface fluence")),
-      surface_gamma_(gpu::image3d(context, domain.frame.cells, VK_FORMAT_R32G32B32A32_SFLOAT, "surface Gamma_s")),
+      surface_{surface_image(context, domain, "surface fluence, up"), surface_image(context, domain, "surface fluence, down")},
+      surface_gamma_{surface_image(context, domain, "surface Gamma_s, up"), surface_image(context, domain, "surface Gamma_s, down")},
       facets_(context, cut_count_ * sizeof(FacetMedium), "facet medium"),
       conductances_(context, std::size_t(medium.channels) * cut_count_ * sizeof(float), "facet conductances"),
       scales_(context, medium.channels * sizeof(FluenceScale), "fluence scales", gpu::Memory::host),
@@ -105,7 +109,7 @@ void Diffusion::set_medium(const MediumSamples& medium) {
 
 SurfacePush Diffusion::surface_push() const {
   return {domain_.frame.cells,       cut_count_,     multigrid_.channels(), static_cast<float>(A_),
-          static_cast<float>(f_dt_), domain_.frame.h};
+          static_cast<float>(f_dt_), domain_.frame.h, 1};
 }
 
 void Diffusion::record_source(gpu::Commands& commands, const gpu::Buffer& gamma_s, bool corrected) {
@@ -153,9 +157,11 @@ void Diffusion::record_gradients(gpu::Commands& commands, const gpu::Buffer& gam
                     surface_push());
 }
 
-void Diffusion::record_surface(gpu::Commands& commands, const gpu::Buffer& gamma_s) {
+void Diffusion::record_surface(gpu::Commands& commands, const gpu::Buffer& gamma_s, int sides) {
   const auto scope = commands.time("diffusion surface");
   const glm::ivec3 n = domain_.frame.cells;
+  SurfacePush push = surface_push();
+  push.sides = sides;
   commands.dispatch(passes_.surface, {n.x / 4, n.y, n.z},
                     {{"cut_index", domain_.cut_index},
                      {"cut_cells", domain_.cut_cells},
@@ -163,10 +169,13 @@ void Diffusion::record_surface(gpu::Commands& commands, const gpu::Buffer& gamma
                      {"gradients", gradients_},
                      {"volume", domain_.volume},
                      {"phi", pcg_.solution()},
-                     {"surface", surface_},
                      {"gamma_s", gamma_s},
-                     {"surface_gamma", surface_gamma_}},
-                    surface_push());
+                     {"facets", facets_},
+                     {"phi_up", surface_[0]},
+                     {"phi_down", surface_[1]},
+                     {"gamma_up", surface_gamma_[0]},
+                     {"gamma_down", surface_gamma_[1]}},
+                    push);
 }
 
 // Puts the units of fluence in place. True where the solution and the gradients of before are of use for this light.
@@ -181,7 +190,7 @@ bool Diffusion::adopt_light(const gpu::Buffer& gamma_s) {
 }
 
 // The corrections converge about as fast as the solver does, so the early solves need no more digits than they bring.
-SolverStatus Diffusion::solve(const gpu::Buffer& gamma_s) {
+SolverStatus Diffusion::solve(const gpu::Buffer& gamma_s, const gpu::Buffer* side_gamma_s) {
   SolverStatus status;
   int iterations = 0;
   const bool warm = adopt_light(gamma_s);
@@ -198,7 +207,7 @@ SolverStatus Diffusion::solve(const gpu::Buffer& gamma_s) {
   status.iterations = iterations;
   gpu::Commands commands(context_);
   record_gradients(commands, gamma_s);
-  record_surface(commands, gamma_s);
+  record_surface(commands, side_gamma_s ? *side_gamma_s : gamma_s, side_gamma_s ? 2 : 1);
   commands.submit();
   return status;
 }

@@ -33,16 +33,19 @@ class Diffusion {
   /// Solves for Gamma_s: `gamma_s` holds a vec3 (W/m^2, one channel takes red) for every cut cell of the domain, entry
   /// 0 included, averaged over its facet, with the factor exp(-sigma_a/sigma_s') of facet_medium(). Starts from the
   /// solution of before where there is one. Then makes surface().
-  SolverStatus solve(const gpu::Buffer& gamma_s);
+  /// `side_gamma_s` holds two vec3 a cut cell, one for each side of its surface (GpuCutCell::side), and serves the surface
+  /// images alone; without it both sides take `gamma_s`.
+  SolverStatus solve(const gpu::Buffer& gamma_s, const gpu::Buffer* side_gamma_s = nullptr);
 
   /// Of the last solve.
   EnergyBalance energy(const gpu::Buffer& gamma_s);
 
   /// Fluence for the surface query, W/m^2, rgba32f, one texel a cell with its value at the cell's centre: sampled
   /// trilinearly at a point of the surface it gives phi there. One channel fills r, g and b.
-  const gpu::Image& surface() const { return surface_; }
+  /// There are two, for the two sides of a thin part: 0 for normals that point mainly up an axis, 1 for down.
+  const gpu::Image& surface(int side = 0) const { return surface_[side]; }
   /// Gamma_s of the facets for the surface query, W/m^2, in the same form.
-  const gpu::Image& surface_gamma() const { return surface_gamma_; }
+  const gpu::Image& surface_gamma(int side = 0) const { return surface_gamma_[side]; }
   /// FacetMedium for every cut cell.
   const gpu::Buffer& facet_medium() const { return facets_; }
   Multigrid& multigrid() { return multigrid_; }
@@ -58,7 +61,7 @@ class Diffusion {
   void record_rescale(gpu::Commands& commands);
   void record_source(gpu::Commands& commands, const gpu::Buffer& gamma_s, bool corrected);
   void record_gradients(gpu::Commands& commands, const gpu::Buffer& gamma_s);
-  void record_surface(gpu::Commands& commands, const gpu::Buffer& gamma_s);
+  void record_surface(gpu::Commands& commands, const gpu::Buffer& gamma_s, int sides);
 
   gpu::Context& context_;
   const FluencePasses& passes_;
@@ -66,7 +69,7 @@ class Diffusion {
   double A_, f_dt_;
   int cut_count_;  // entry 0 included
   TileList tiles_;
-  gpu::Image absorption_, surface_, surface_gamma_;
+  gpu::Image absorption_, surface_[2], surface_gamma_[2];
   gpu::Buffer facets_, conductances_, scales_, gradients_, energy_sums_;
   gpu::Buffer cell_sources_, face_fluxes_, facet_offsets_;
   SolverOptions options_;

@@ -18,12 +18,14 @@ class FacetSource {
 
   /// W/m^2, one vec3 an entry of Domain::cut_cells.
   const gpu::Buffer& gamma_s() const { return gamma_s_; }
+  /// The same for each of its two sides: 2 vec3 an entry.
+  const gpu::Buffer& side_gamma_s() const { return side_gamma_s_; }
 
  private:
   const Domain& domain_;
   std::uint32_t count_;  // entries of Domain::cut_cells
   gpu::Pass receivers_pass_, source_pass_;
-  gpu::Buffer receivers_, flux_, gamma_s_;
+  gpu::Buffer receivers_, flux_, gamma_s_, side_gamma_s_;
 };
 
 }  // namespace alabaster

@@ -233,8 +233,10 @@ ShadedPicture Shading::shade(const Input& input) const {
   for (const TranslucentSurface& surface : input.surfaces) {
     const auto timer = commands.time("translucent");
     gpu::Bindings bindings = shared;
-    bindings.push_back({"phi", *surface.fluence, linear_});
-    bindings.push_back({"facet_gamma", *surface.gamma_s, linear_});
+    bindings.push_back({"phi_up", *surface.fluence[0], linear_});
+    bindings.push_back({"phi_down", *surface.fluence[1], linear_});
+    bindings.push_back({"gamma_up", *surface.gamma_s[0], linear_});
+    bindings.push_back({"gamma_down", *surface.gamma_s[1], linear_});
     const Rectangle rectangle = covered(input.meshes.ranges[surface.object].bounds, matrix, rays.size);
     if (rectangle.low.x >= rectangle.high.x || rectangle.low.y >= rectangle.high.y) continue;
     TranslucentPush push = translucent_push(input, surface, rays);

@@ -17,7 +17,6 @@ layout(binding = 8, scalar) writeonly buffer Gradients { vec4 gradients[]; };  /
 
 const float regular = 1e-4;       // of the trace: a direction without neighbours gets no slope
 const float sliver = 0.05;        // h^3; smaller cells say less: their centroids crowd at the surface
-const float least_flatness = 0.5;  // a facet that is bent more has no normal
 
 float value(ivec3 c, int channel) {
   return imageLoad(phi, ivec3(c.x >> 2, c.y, c.z + channel * push.cells.z))[c.x & 3] * scales[channel].unit;
@@ -43,7 +42,7 @@ void main() {
     right += weight * (value(other, channel) - own) * d;
   }
   GpuFacet facet = cut_cells[index].facet;
-  if (length(facet.area_vector) > least_flatness * facet.area) {
+  if (!bent(facet)) {
     vec3 d = facet.centre - centre + 2 * push.A * (facets[index].kappa[channel] / push.h) * normalize(facet.area_vector);
     float weight = 1 / dot(d, d);
     normal_matrix += weight * outerProduct(d, d);

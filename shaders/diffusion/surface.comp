@@ -1,21 +1,30 @@
-// phi and Gamma_s at cell centres, to be sampled trilinearly anywhere on the surface. phi: inner cells as they are, cut cells carried from
-// the centroid to the centre along their gradient, slivers and cells outside the mean of what the cut cells around them say.
+// phi and Gamma_s at cell centres, to be sampled trilinearly anywhere on the surface; twice, for the two sides of a thin
+// part (domain/facet_class.glsl), which may have their own light and their own phi within one cell. Where there is one side
+// only, both images say the same.
+// phi: inner cells as they are, cut cells carried from the centroid to the centre along their gradient, slivers and cells
+// outside the mean of what the cut cells around them say. Gamma_s: a cut cell's own, else the mean of those around.
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
 #include "shared/diffusion.h"
 #include "diffusion/cut.glsl"
+#include "shared/optics.h"
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(push_constant, scalar) uniform PushBlock { SurfacePush push; };
 layout(binding = 3, scalar) readonly buffer Scales { FluenceScale scales[]; };
 layout(binding = 4, scalar) readonly buffer Gradients { vec4 gradients[]; };
 layout(binding = 5, rgba32f) uniform readonly image3D volume;
 layout(binding = 6, rgba32f) uniform readonly image3D phi;
-layout(binding = 7, rgba32f) uniform writeonly image3D surface;
-layout(binding = 8, scalar) readonly buffer GammaS { vec3 gamma_s[]; };
-layout(binding = 9, rgba32f) uniform writeonly image3D surface_gamma;
+layout(binding = 7, scalar) readonly buffer GammaS { vec3 gamma_s[]; };  // push.sides a cut cell
+layout(binding = 8, scalar) readonly buffer Facets { FacetMedium facets[]; };
+layout(binding = 9, rgba32f) uniform writeonly image3D phi_up;
+layout(binding = 10, rgba32f) uniform writeonly image3D phi_down;
+layout(binding = 11, rgba32f) uniform writeonly image3D gamma_up;
+layout(binding = 12, rgba32f) uniform writeonly image3D gamma_down;
 
 const float sliver = 0.05;  // h^3; a smaller cut cell's value comes from its neighbours, as if it were outside
+
+vec3 gamma_of(uint index, int side) { return gamma_s[push.sides == 2 ? 2 * index + side : index]; }
 
 // What cut cell `index` says of the point `away` from its low corner, h.
 vec3 carried(uint index, vec3 away) {
@@ -27,31 +36,75 @@ vec3 carried(uint index, vec3 away) {
   return result;
 }
 
+// A cell with two sheets back to back has no slope across; each sheet's phi then follows from the series resistance of its
+// own side between the cell's value and its own light.
+vec3 on_side(uint index, int side, vec3 value) {
+  GpuFacet facet = cut_cells[index].side[side];
+  if (!bent(cut_cells[index].facet) || facet.area <= 0) return value;
+  for (int c = 0; c < 3; ++c)
+    value[c] = dsbc_surface_fluence(value[c], dsbc_source(gamma_of(index, side)[c], push.f_dt), push.A,
+                                    facet.distance * push.h / facets[index].kappa[c]);
+  return value;
+}
+
+// Sums over facets of one side: area times Gamma_s with the area, and the area vector.
+struct SideSums {
+  vec4 gamma;
+  vec3 normal;
+};
+
+void add(inout SideSums sums[2], uint index) {
+  for (int side = 0; side < 2; ++side) {
+    GpuFacet facet = cut_cells[index].side[side];
+    sums[side].gamma += facet.area * vec4(gamma_of(index, side), 1);
+    sums[side].normal += facet.area_vector;
+  }
+}
+
+struct Around {
+  SideSums sums[2];
+  vec3 phi[2];
+};
+
 // Without `needed` the loop is empty: a CPU's vector lanes would run a branch they do not take.
-// Gamma_s goes by the facets' areas, phi by the solid's volumes.
-vec3 from_neighbours(ivec3 cell, bool needed, out vec3 gamma) {
-  vec3 sum = vec3(0);
-  vec4 gamma_sum = vec4(0);
+Around look_around(ivec3 cell, bool needed) {
+  Around around;
   float weights = 0;
+  for (int side = 0; side < 2; ++side) {
+    around.sums[side] = SideSums(vec4(0), vec3(0));
+    around.phi[side] = vec3(0);
+  }
   for (int n = needed ? 0 : 27; n < 27; ++n) {
     ivec3 d = ivec3(n % 3, n / 3 % 3, n / 9) - 1;
     uint index = cut_at(cell + d);
     if (index == 0) continue;
     vec3 away = vec3(0.5) - vec3(d), apart = away - cut_cells[index].centre;
     float weight = cut_cells[index].volume / dot(apart, apart);
-    sum += weight * carried(index, away);
+    vec3 value = carried(index, away);
+    for (int side = 0; side < 2; ++side) around.phi[side] += weight * on_side(index, side, value);
     weights += weight;
-    gamma_sum += cut_cells[index].facet.area * vec4(gamma_s[index], 1);
+    add(around.sums, index);
   }
-  gamma = gamma_sum.w > 0 ? gamma_sum.rgb / gamma_sum.w : vec3(0);
-  return weights > 0 ? sum / weights : vec3(0);
+  for (int side = 0; side < 2; ++side) around.phi[side] = weights > 0 ? around.phi[side] / weights : vec3(0);
+  return around;
+}
+
+// The mean of a side, and of the other side as far as it faces the same way: on a smooth surface the parting of the sides
+// leaves no seam, on a thin part it keeps the sheets apart.
+vec3 mean_gamma(SideSums sums[2], int side) {
+  float alike = max(0, dot(sums[0].normal, sums[1].normal) / max(length(sums[0].normal) * length(sums[1].normal), 1e-30));
+  vec4 sum = sums[side].gamma + (sums[side].gamma.w > 0 ? alike : 1) * sums[1 - side].gamma;
+  return sum.w > 0 ? sum.rgb / sum.w : vec3(0);
 }
 
 void main() {
   ivec3 t = ivec3(gl_GlobalInvocationID);
-  bool near = false;
-  for (int n = 0; n < 27 && !near; ++n)
-    near = any(greaterThan(imageLoad(volume, t + ivec3(n % 3, n / 3 % 3, n / 9) - 1), vec4(0)));
+  bool solid = false, open = false;  // is there any of either in the texels around?
+  for (int n = 0; n < 27 && !(solid && open); ++n) {
+    vec4 size = imageLoad(volume, t + ivec3(n % 3, n / 3 % 3, n / 9) - 1);
+    solid = solid || any(greaterThan(size, vec4(0)));
+    open = open || any(lessThan(size, vec4(1)));
+  }
   vec4 own = imageLoad(volume, t), values[3];
   for (int c = 0; c < 3; ++c) {
     int channel = min(c, push.channels - 1);
@@ -61,12 +114,22 @@ void main() {
     ivec3 cell = ivec3(4 * t.x + lane, t.yz);
     uint index = cut_at(cell);
     bool whole = index == 0 && own[lane] > 0, cut = index != 0 && own[lane] >= sliver;
-    vec3 gamma;
-    vec3 result = from_neighbours(cell, near && !cut, gamma);
-    if (index != 0) gamma = gamma_s[index];
-    if (whole) result = vec3(values[0][lane], values[1][lane], values[2][lane]);
-    if (cut) result = carried(index, vec3(0.5));
-    imageStore(surface, cell, vec4(max(result, vec3(0)), 1));
-    imageStore(surface_gamma, cell, vec4(push.channels == 1 ? gamma.rrr : gamma, 1));
+    Around around = look_around(cell, solid && open);
+    SideSums here[2] = SideSums[2](SideSums(vec4(0), vec3(0)), SideSums(vec4(0), vec3(0)));
+    if (index != 0) add(here, index);
+    for (int side = 0; side < 2; ++side) {
+      vec3 value = around.phi[side];
+      if (whole) value = vec3(values[0][lane], values[1][lane], values[2][lane]);
+      if (cut) value = on_side(index, side, carried(index, vec3(0.5)));
+      vec3 gamma = here[side].gamma.w > 0 ? mean_gamma(here, side) : mean_gamma(around.sums, side);
+      if (push.channels == 1) gamma = gamma.rrr;
+      if (side == 0) {
+        imageStore(phi_up, cell, vec4(max(value, vec3(0)), 1));
+        imageStore(gamma_up, cell, vec4(gamma, 1));
+      } else {
+        imageStore(phi_down, cell, vec4(max(value, vec3(0)), 1));
+        imageStore(gamma_down, cell, vec4(gamma, 1));
+      }
+    }
   }
 }

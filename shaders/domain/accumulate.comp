@@ -53,12 +53,7 @@ void clip(vec3 axis, float plane, float sign) {
 
 void add(uint at, float value) { atomicAdd(sums[at], int(round(value * fixed_one))); }
 
-// Ties between axes go to the first, with some slack so that rounding does not decide.
-int facet_class(vec3 normal) {
-  vec3 size = abs(normal);
-  int axis = size.x >= 0.9999 * size.y && size.x >= 0.9999 * size.z ? 0 : size.y >= 0.9999 * size.z ? 1 : 2;
-  return 2 * axis + (normal[axis] < 0.0 ? 1 : 0);
-}
+#include "domain/facet_class.glsl"
 
 void add_polygon(uint at, vec3 normal) {
   vec3 A = vec3(0), X = vec3(0), Q = vec3(0);

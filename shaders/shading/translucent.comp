@@ -3,12 +3,16 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
+#include "domain/facet_class.glsl"
 #include "shared/optics.h"
 #include "visible.glsl"
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(push_constant, scalar) uniform Push { TranslucentPush push; };
-layout(binding = 11) uniform sampler3D phi;                // W/m^2 on the surface
-layout(binding = 12) uniform sampler3D facet_gamma;        // Gamma_s of the facets, W/m^2
+// On the surface, W/m^2, for its side whose normals point mainly up an axis and for the other.
+layout(binding = 11) uniform sampler3D phi_up;
+layout(binding = 12) uniform sampler3D phi_down;
+layout(binding = 13) uniform sampler3D gamma_up;  // Gamma_s of the facets
+layout(binding = 14) uniform sampler3D gamma_down;
 void main() {
   const uvec2 pixel = push.corner + gl_GlobalInvocationID.xy;
   if (any(greaterThanEqual(pixel, push.camera.size))) return;
@@ -22,8 +26,9 @@ void main() {
   while (todo != 0) {
     const Hit hit = next_hit(push.camera, pixel, todo);
     const vec3 place = (hit.position - push.grid_low) * push.grid_inverse;
-    const vec3 phi_here = texture(phi, place).rgb;
-    const vec3 gamma = texture(facet_gamma, place).rgb;
+    const bool down = (facet_class(hit.normal) & 1) == 1;
+    const vec3 phi_here = down ? texture(phi_down, place).rgb : texture(phi_up, place).rgb;
+    const vec3 gamma = down ? texture(gamma_down, place).rgb : texture(gamma_up, place).rgb;
     const float cos_eye = clamp(dot(hit.normal, hit.to_eye), 0, 1);
     const float f_t = fresnel_transmittance(cos_eye, push.eta);
     vec3 radiance;

@@ -85,6 +85,7 @@ struct SurfacePush {
   float A;
   float f_dt;
   float h;       // m
+  int sides;     // Gamma_s entries a cut cell in surface.comp: 2, one for each side of its surface, or 1 for both
 };
 
 // Per channel, in units: light in and out in W, absorbed still in units of the solver.

@@ -50,7 +50,7 @@ class ShadingPicture : public GpuTest {
 
   ShadedPicture shade(const LitScene& lit, glm::ivec2 size, int samples) {
     return Shading(context).shade(
-        {lit.scene, lit.meshes, lit.lighting, {{0, &fluence, &gamma_s, frame}}, camera, {size, samples}});
+        {lit.scene, lit.meshes, lit.lighting, {{0, {&fluence, &fluence}, {&gamma_s, &gamma_s}, frame}}, camera, {size, samples}});
   }
 
   struct Truth {

@@ -39,7 +39,7 @@ class LightingFurnace : public GpuTest {
     const ShadedPicture shaded = Shading(context).shade({scene,
                                                          lit.meshes,
                                                          lit.lighting,
-                                                         {{0, &phi, &entering, {{1, 1, 1}, 1, {0, 0, 0}}}},
+                                                         {{0, {&phi, &phi}, {&entering, &entering}, {{1, 1, 1}, 1, {0, 0, 0}}}},
                                                          camera,
                                                          {{160, 120}, 4},
                                                          exit});
