@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "reference/refraction.h"
+#include "reference/guide.h"
 #include "shared/optics.h"
 
 namespace alabaster {
@@ -19,12 +19,11 @@ struct Path {
   Inside inside;
   bool on_surface = false;  // the origin lies on a surface
   Leaving leaving;
-  // How the last vertex saw the lights, for the balance heuristic: not at all (or a mirror came since), straight, or
-  // through the surface of the object it is in, which the path may leave once.
-  enum class Sight { none, straight, refracted } sight = Sight::none;
+  // How the last vertex looked for the lights, for the balance heuristic: not at all (or a surface came since that
+  // bends light), straight, or by a guide through such surfaces.
+  enum class Sight { none, straight, guided } sight = Sight::none;
   Inside vertex_inside;
-  Leaving exit;  // refracted sight: the triangle through which the path left
-  glm::vec3 vertex{0};
+  glm::vec3 vertex{0}, vertex_direction{0};
   float direction_density = 0;  // 1/sr
   // Ball that holds no surface.
   glm::vec3 ball_centre{0};
@@ -92,10 +91,9 @@ class Tracer {
     const FlatMedium& medium = world_.body(inside.top()).medium;
     return medium.empty() ? nullptr : &medium;
   }
-  float index_of(const Inside& inside) const { return inside.empty() ? 1.0f : world_.body(inside.top()).eta; }
 
   void collect(const Path& path, glm::vec3 radiance) {
-    const float n = index_of(path.inside);
+    const float n = world_.index_in(path.inside);
     sample_.radiance[static_cast<std::size_t>(path.layer())] += path.weight() * radiance / (n * n);
   }
 
@@ -216,6 +214,7 @@ class Tracer {
     const float cosine = phase_cosine(g, random_.uniform());
     path.direction = g == 0 ? from_axis(cosine, random_.uniform()) : around(before, cosine, random_.uniform());
     path.direction_density = path.sight == Path::Sight::none ? 0.0f : phase_value(g, cosine);
+    path.vertex_direction = path.direction;
     return true;
   }
 
@@ -248,19 +247,19 @@ class Tracer {
       beyond.push(object);
     else
       beyond.remove(object);
-    const float ratio = index_of(beyond) / index_of(path.inside);
+    const float ratio = world_.index_in(beyond) / world_.index_in(path.inside);
     if (ratio == 1) {
       path.entries += entering;
       path.inside = beyond;
       return true;
     }
+    if (path.sight == Path::Sight::straight) path.sight = Path::Sight::none;
     const glm::vec3 n = entering ? hit.normal : -hit.normal;
     const float cosine = std::clamp(-glm::dot(path.direction, n), 0.0f, 1.0f);
     const float reflectance = fresnel_reflectance(cosine, ratio);
     const glm::vec3 mirrored = glm::normalize(path.direction + 2 * cosine * n);
     if (first && reflectance < 1) {
       mirrored_ = path;
-      mirrored_.sight = Path::Sight::none;
       mirrored_.direction = mirrored;
       mirrored_.throughput *= reflectance;
       mirrored_.mirrored_first = entering;
@@ -268,17 +267,11 @@ class Tracer {
       path.throughput *= 1 - reflectance;
     } else if (random_.uniform() < reflectance) {
       path.direction = mirrored;
-      path.sight = Path::Sight::none;
       if (first) path.mirrored_first = entering;
       return true;
     }
     const float below = refracted_cosine(cosine, ratio);
     path.direction = glm::normalize((path.direction + cosine * n) / ratio - below * n);
-    const bool leaves_as_seen = path.sight == Path::Sight::refracted && path.exit.object == nothing && !entering;
-    if (leaves_as_seen)
-      path.exit = hit.where;
-    else
-      path.sight = Path::Sight::none;
     path.inside = beyond;
     path.entries += entering;
     return true;
@@ -292,15 +285,9 @@ class Tracer {
       const glm::vec3 way = hit.point - path.vertex;
       const float light_density = body.light_density * glm::dot(way, way) / std::max(std::abs(cosine), 1e-6f);
       share = path.direction_density / (path.direction_density + light_density);
-    } else if (path.sight == Path::Sight::refracted && path.exit.object != nothing) {
-      // Only what would have been found counts as seen.
-      RefractedWay way;
-      if (RefractedWays(world_, path.vertex, path.vertex_inside, bending(path.vertex_inside))
-              .through(hit.point, path.exit, way)) {
-        const float light_density =
-            body.light_density / std::max(std::abs(cosine) * static_cast<float>(way.bend.spread), 1e-20f);
-        share = path.direction_density / (path.direction_density + light_density);
-      }
+    } else if (path.sight == Path::Sight::guided) {
+      const LightGuide guide(world_, path.vertex, path.vertex_inside, hit.where.object);
+      share = path.direction_density / (path.direction_density + guide.density(path.vertex_direction));
     }
     collect(path, share * body.radiance);
   }
@@ -316,23 +303,20 @@ class Tracer {
     const float cosine = std::sqrt(1 - random_.uniform());
     path.direction = around(n, cosine, random_.uniform());
     path.direction_density = cosine / pi;
+    path.vertex_direction = path.direction;
     return true;
   }
 
   // Next-event estimation at the path's origin. `lobe` gives (value, density) of a direction, 1/sr.
   template <class Lobe>
   void see_lights(Path& path, Lobe lobe) {
-    path.sight = !world_.has_lights()        ? Path::Sight::none
-                 : behind_glass(path.inside) ? Path::Sight::refracted
-                                             : Path::Sight::straight;
-    // Not for a wall inside an object, nor through a surface that only parts objects of one index.
-    if (path.sight == Path::Sight::refracted &&
-        (!world_.body(path.inside.top()).aims || path.on_surface || bending(path.inside) == 1))
-      path.sight = Path::Sight::none;
+    path.sight = !world_.has_lights()         ? Path::Sight::none
+                 : !behind_glass(path.inside) ? Path::Sight::straight
+                 : world_.guided(path.inside) ? Path::Sight::guided
+                                              : Path::Sight::none;
     if (path.sight == Path::Sight::none) return;
     path.vertex = path.origin;
     path.vertex_inside = path.inside;
-    path.exit = {};
     // Deep inside hardly any light arrives unscattered: ask seldom there, and count what arrives more.
     float asked = 1;
     if (!path.inside.empty() && !path.on_surface) {
@@ -341,8 +325,8 @@ class Tracer {
       if (asked < 1 && random_.uniform() >= asked) return;
     }
     const LightPoint light = world_.sample_light(random_);
-    if (path.sight == Path::Sight::refracted)
-      see_through_surface(path, light, asked, lobe);
+    if (path.sight == Path::Sight::guided)
+      see_guided(path, light.object, asked, lobe);
     else
       see_straight(path, light, asked, lobe);
   }
@@ -361,47 +345,53 @@ class Tracer {
     const float light_density = body.light_density * square / std::abs(cosine);
     const float share = light_density / (light_density + value_density.y);
     const glm::vec3 arrives = transmittance(path, towards, distance, light.object);
-    const float n = index_of(path.inside);
+    const float n = world_.index_in(path.inside);
     sample_.radiance[static_cast<std::size_t>(path.layer())] +=
         path.weight() * body.radiance * arrives * (share * value_density.x / (light_density * asked * n * n));
   }
 
+  // Where surfaces bend light: a direction towards the lamp's image, and whatever mirroring and refraction bring from
+  // there. Chance finds the same ways, with the lobe's density of their first direction.
   template <class Lobe>
-  void see_through_surface(Path& path, const LightPoint& light, float asked, Lobe lobe) {
-    RefractedWays(world_, path.origin, path.inside, bending(path.inside))
-        .each(light.point, [&](const RefractedWay& way) { see_along(path, light, way, lobe(way.direction), asked); });
+  void see_guided(const Path& path, std::uint32_t lamp, float asked, Lobe lobe) {
+    const LightGuide guide(world_, path.origin, path.inside, lamp);
+    if (!guide.useful()) return;
+    Path ray = path;
+    ray.direction = guide.sample(random_);
+    const glm::vec2 value_density = lobe(ray.direction);
+    if (value_density.x <= 0) return;
+    ray.throughput *= value_density.x / (asked * (guide.density(ray.direction) + value_density.y));
+    ray.sight = Path::Sight::none;
+    shoot(ray, lamp);
   }
 
-  // `value`: the lobe's value and density in the way's direction, 1/sr.
-  void see_along(const Path& path, const LightPoint& light, const RefractedWay& way, glm::vec2 value, float asked) {
-    const Body& body = world_.body(light.object);
-    const glm::vec3 exit(way.bend.point), onward = light.point - exit;
-    const float distance = glm::length(onward);
-    if (!(distance > 0)) return;
-    const float cosine = -glm::dot(light.normal, onward) / distance;
-    if (cosine == 0 || (cosine < 0 && !body.two_sided)) return;
-    const float light_density =
-        body.light_density / std::max(std::abs(cosine) * static_cast<float>(way.bend.spread), 1e-20f);
-    const float share = light_density / (light_density + value.y);
-    glm::vec3 arrives(fresnel_transmittance(static_cast<float>(way.bend.cosine_near), 1 / bending(path.inside)));
-    if (!pass(path.inside, path.origin, way.direction, way.distance, arrives)) return;
-    Path outside = path;
-    outside.origin = exit;
-    outside.on_surface = true;
-    outside.inside.remove(path.inside.top());
-    arrives *= transmittance(outside, onward / distance, distance, light.object);
-    const float n = index_of(outside.inside);
-    sample_.radiance[static_cast<std::size_t>(path.layer())] +=
-        path.weight() * body.radiance * arrives * (share * value.x / (light_density * asked * n * n));
+  // Follows an unscattered way to `lamp`, if that is where it leads.
+  void shoot(Path& ray, std::uint32_t lamp) {
+    while (++sample_.events <= most_events) {
+      Hit hit;
+      if (!cast(ray, INFINITY, hit)) return;
+      const Body& body = world_.body(hit.where.object);
+      const bool arrived = hit.where.object == lamp;
+      if (!arrived && body.role != Role::translucent) return;
+      glm::vec3 left(1);
+      if (!pass(ray.inside, ray.origin, ray.direction, hit.distance, left)) return;
+      ray.throughput *= left;
+      if (arrived) return shine(ray, hit, body);
+      const float survive = 3 * largest(left);
+      if (survive < 1) {
+        if (random_.uniform() >= survive) return;
+        ray.throughput /= survive;
+      }
+      ray.origin = hit.point;
+      ray.on_surface = true;
+      ray.leaving = {};
+      cross(ray, hit, false);
+    }
+    sample_.capped = true;
   }
 
-  bool behind_glass(const Inside& inside) const { return index_of(inside) != 1; }
-  // Index of the innermost object over that of what surrounds it.
-  float bending(const Inside& inside) const {
-    Inside beyond = inside;
-    beyond.remove(inside.top());
-    return index_of(inside) / index_of(beyond);
-  }
+  // Surfaces of another index bend light: nothing is seen straight through them.
+  bool behind_glass(const Inside& inside) const { return world_.index_in(inside) != 1; }
 
   // Of the straight way to a point on light `target`; 0 where something else or a refracting surface is in between.
   glm::vec3 transmittance(const Path& path, glm::vec3 direction, float distance, std::uint32_t target) {
@@ -426,7 +416,7 @@ class Tracer {
         beyond.push(hit.where.object);
       else
         beyond.remove(hit.where.object);
-      if (index_of(beyond) != index_of(inside)) return glm::vec3(0);
+      if (world_.index_in(beyond) != world_.index_in(inside)) return glm::vec3(0);
       inside = beyond;
       origin = hit.point;
       left -= span;

@@ -41,7 +41,7 @@ class Renderer {
       : scene_(scene),
         options_(options),
         camera_(camera_of(scene, options.camera)),
-        world_(scene),
+        world_(scene, options.guiding),
         chosen_{options.multiple, options.single, options.surface} {
     eye_ = glm::vec3(camera_.to_world[3]);
     camera_inside_ = world_.inside_at(eye_);
@@ -186,7 +186,8 @@ class Renderer {
     return fingerprint_of(chosen_.data(), sizeof chosen_, hash);
   }
   std::uint64_t fingerprint() const {
-    return fingerprint_of(&options_.seed, sizeof options_.seed, scene_fingerprint());
+    const std::uint64_t hash = fingerprint_of(&options_.guiding, sizeof options_.guiding, scene_fingerprint());
+    return fingerprint_of(&options_.seed, sizeof options_.seed, hash);
   }
 
   const Scene& scene_;

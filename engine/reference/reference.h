@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "image/picture.h"
+#include "reference/guiding.h"
 #include "scene/scene.h"
 
 namespace alabaster {
@@ -29,6 +30,8 @@ struct ReferenceOptions {
   std::uint64_t seed = 0;
   int threads = 0;                                      // 0: all
   bool multiple = true, single = true, surface = true;  // components; R, G, B is the sum of the chosen ones
+  // Whether lamps are looked for through refracting surfaces; the same picture either way, but for its noise.
+  Guiding guiding = Guiding::automatic;
   // Where the run keeps its sums: written every `state_seconds` and when it is stopped, removed when it is done unless
   // `keep_state`. Empty: nowhere.
   std::string state_path;

@@ -3,7 +3,6 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
-#include <numeric>
 #include <stdexcept>
 
 #include "scene/error.h"
@@ -11,8 +10,8 @@
 namespace alabaster {
 namespace {
 
-constexpr float worth_aiming = 0.03f;  // chance of light below which aiming at it costs less time to equal error
-constexpr float worth_depth = 10;      // mean free paths across below which distances are not worth their making
+constexpr float worth_guiding = 0.08f;  // chance of light below which a guide to it takes less time to equal error
+constexpr float worth_depth = 10;       // mean free paths across below which distances are not worth their making
 
 float largest(glm::vec3 v) { return std::max({v.x, v.y, v.z}); }
 
@@ -41,7 +40,8 @@ void World::accept_or_reject(const RTCFilterFunctionNArguments* call) {
   if (entering == query->inside->holds(hit->geomID) || (entering && query->inside->full())) call->valid[0] = 0;
 }
 
-World::World(const Scene& scene, Aim aim) : device_(rtcNewDevice(nullptr)), environment_(scene.environment.radiance) {
+World::World(const Scene& scene, Guiding guiding)
+    : device_(rtcNewDevice(nullptr)), environment_(scene.environment.radiance) {
   if (!device_) throw std::runtime_error("Embree: no device could be made");
   scene_.reset(rtcNewScene(device_.get()));
   rtcSetSceneFlags(scene_.get(),
@@ -66,11 +66,13 @@ World::World(const Scene& scene, Aim aim) : device_(rtcNewDevice(nullptr)), envi
   for (std::uint32_t id = 0; id < bodies_.size(); ++id) add_lights(id);
   const double power = light_weights_.empty() ? 1 : light_weights_.back();
   for (double& weight : light_weights_) weight /= power;
-  for (Body& body : bodies_)
+  for (Body& body : bodies_) {
     body.light_density = static_cast<float>(static_cast<double>(largest(body.radiance)) / power);
+    body.light_share /= static_cast<float>(power);
+  }
   for (std::uint32_t id = 0; id < bodies_.size(); ++id)
-    bodies_[id].aims =
-        aim == Aim::always || (aim == Aim::automatic && chance_of_light(shapes_[id].bounds.centre()) < worth_aiming);
+    bodies_[id].guided = guiding == Guiding::always || (guiding == Guiding::automatic &&
+                                                        chance_of_light(shapes_[id].bounds.centre()) < worth_guiding);
   distances_.resize(bodies_.size());
   for (std::uint32_t id = 0; id < bodies_.size(); ++id)
     if (bodies_[id].role == Role::translucent) measure_distances(id);
@@ -83,16 +85,6 @@ void World::add_geometry(std::uint32_t id) {
     const glm::dvec3 n = glm::cross(b - a, c - a);
     const double length = glm::length(n);
     shape.normals.push_back(length > 0 ? glm::vec3(n / length) : glm::vec3(0, 0, 1));
-  }
-  if (bodies_[id].role == Role::translucent) {
-    shape.first_at.assign(shape.mesh.positions.size() + 1, 0);
-    for (glm::uvec3 t : shape.mesh.triangles)
-      for (int k = 0; k < 3; ++k) ++shape.first_at[t[k] + 1];
-    std::partial_sum(shape.first_at.begin(), shape.first_at.end(), shape.first_at.begin());
-    std::vector<std::uint32_t> next = shape.first_at;
-    shape.at_vertex.resize(3 * shape.mesh.triangles.size());
-    for (std::uint32_t t = 0; t < shape.mesh.triangles.size(); ++t)
-      for (int k = 0; k < 3; ++k) shape.at_vertex[next[shape.mesh.triangles[t][k]]++] = t;
   }
   RTCGeometry geometry = rtcNewGeometry(device_.get(), RTC_GEOMETRY_TYPE_TRIANGLE);
   void* positions = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(glm::vec3),
@@ -134,17 +126,25 @@ bool World::next_surface(glm::vec3 origin, glm::vec3 direction, float far, const
 }
 
 void World::add_lights(std::uint32_t id) {
-  const Body& body = bodies_[id];
+  Body& body = bodies_[id];
   if (body.role != Role::emissive || largest(body.radiance) <= 0) return;
   const Shape& shape = shapes_[id];
+  glm::dvec3 centroid(0);
+  double total = 0;
+  const double before = light_weights_.empty() ? 0.0 : light_weights_.back();
   for (std::uint32_t t = 0; t < shape.mesh.triangles.size(); ++t) {
     const glm::uvec3 v = shape.mesh.triangles[t];
     const glm::dvec3 a(shape.mesh.positions[v.x]), b(shape.mesh.positions[v.y]), c(shape.mesh.positions[v.z]);
     const double area = 0.5 * glm::length(glm::cross(b - a, c - a));
+    total += area;
+    centroid += area / 3 * (a + b + c);
     light_triangles_.push_back({id, t});
     light_weights_.push_back((light_weights_.empty() ? 0.0 : light_weights_.back()) +
                              area * static_cast<double>(largest(body.radiance)));
   }
+  body.centre = glm::vec3(centroid / std::max(total, 1e-300));
+  body.radius = static_cast<float>(std::sqrt(total / M_PI));
+  body.light_share = static_cast<float>(light_weights_.back() - before);
 }
 
 // (mean radiance)^2 / (mean squared radiance) over the sphere of directions, seen without occlusion: 1 in uniform

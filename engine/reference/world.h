@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "reference/distance_grid.h"
+#include "reference/guiding.h"
 #include "reference/media.h"
 #include "reference/random.h"
 #include "scene/scene.h"
@@ -49,8 +50,11 @@ struct Body {
   glm::vec3 albedo{0};      // opaque
   glm::vec3 radiance{0};    // emissive, W/m^2/sr
   bool two_sided = false;   // emissive
-  bool aims = false;        // translucent: paths inside look for the lights through its surface
+  bool guided = false;      // translucent: paths inside look for the lights through its surface
   float light_density = 0;  // emissive: probability per area that sample_light() picks a point, 1/m^2
+  float light_share = 0;    // emissive: probability that sample_light() picks a point of this one
+  glm::vec3 centre{0};      // emissive: of its area, m
+  float radius = 0;         // emissive: of a disc of its area, m
 };
 
 constexpr std::uint32_t nothing = 0xffffffffu;
@@ -72,13 +76,9 @@ struct LightPoint {
   std::uint32_t object = nothing;
 };
 
-/// Whether paths inside refracting objects look for the lights through the surface (RefractedWays), which costs several
-/// times the rays, or meet them by chance, which is noisy where lights are small. Either is unbiased.
-enum class Aim { automatic, always, never };
-
 class World {
  public:
-  explicit World(const Scene& scene, Aim aim = Aim::automatic);
+  explicit World(const Scene& scene, Guiding guiding = Guiding::automatic);
 
   /// The first surface that matters within `far` (m): translucent ones that `inside` allows to be crossed, and every
   /// other but the triangle that is left.
@@ -94,25 +94,12 @@ class World {
     const glm::uvec3 t = mesh.triangles[where.triangle];
     return {mesh.positions[t.x], mesh.positions[t.y], mesh.positions[t.z]};
   }
-  /// Calls `use` once with every other triangle that shares a vertex with this one (translucent objects only).
-  template <class Use>
-  void around(Leaving where, Use use) const {
-    const Shape& shape = shapes_[where.object];
-    const glm::uvec3 own = shape.mesh.triangles[where.triangle];
-    for (int k = 0; k < 3; ++k)
-      for (std::uint32_t i = shape.first_at[own[k]]; i < shape.first_at[own[k] + 1]; ++i) {
-        const std::uint32_t triangle = shape.at_vertex[i];
-        const glm::uvec3 other = shape.mesh.triangles[triangle];
-        // One that shares an edge is met at two vertices: counted at the earlier.
-        bool earlier = false;
-        for (int j = 0; j < k; ++j) earlier = earlier || glm::any(glm::equal(other, glm::uvec3(own[j])));
-        if (triangle != where.triangle && !earlier) use(triangle);
-      }
-  }
 
   const Body& body(std::uint32_t object) const { return bodies_[object]; }
   float nudge() const { return nudge_; }  // m: rays that leave a surface start this far before it
   glm::vec3 environment() const { return environment_; }
+  float index_in(const Inside& inside) const { return inside.empty() ? 1.0f : bodies_[inside.top()].eta; }
+  bool guided(const Inside& inside) const { return !inside.empty() && bodies_[inside.top()].guided; }
   bool has_lights() const { return !light_weights_.empty(); }
   LightPoint sample_light(Random& random) const;
   /// Whether a point cannot be inside `object`: its bounds do not hold it.
@@ -129,8 +116,6 @@ class World {
     Mesh mesh;
     std::vector<glm::vec3> normals;  // of its triangles
     Bounds bounds;
-    std::vector<std::uint32_t> first_at,
-        at_vertex;  // triangles at vertex v: at_vertex[first_at[v]] up to first_at[v + 1]
   };
   struct EmbreeRelease {
     void operator()(RTCDeviceTy* device) const { rtcReleaseDevice(device); }

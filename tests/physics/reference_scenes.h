@@ -1,12 +1,15 @@
 // Scenes and estimators that the reference's tests share.
 #pragma once
 
+#include <gtest/gtest.h>
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_reduce.h>
 
 #include <cmath>
 #include <functional>
+#include <memory>
 
+#include "compare/compare.h"
 #include "reference/paths.h"
 #include "scene/shapes.h"
 
@@ -97,6 +100,45 @@ inline Scene slab(double thickness, double width, Medium medium, double eta) {
   scene.objects.push_back(
       opaque(transformed(box({4 * w, 4 * w, t}), translation({0, 0, -1.502 * thickness})), glm::vec3(0)));
   return scene;
+}
+
+inline Camera looking_at_origin(glm::dvec3 eye, float y_fov) {
+  Camera camera;
+  camera.name = "main";
+  camera.to_world = look_at(eye, {0, 0, 0});
+  camera.y_fov = y_fov;
+  return camera;
+}
+
+/// By the Z-test: the mean, the pixels beyond 3 sigma, and the mean square of all.
+inline void expect_equal(const Picture& test, const Picture& reference, const char* what, double most_noise = 0.06) {
+  const Comparison c = compare(test, reference);
+  ASSERT_TRUE(c.z);
+  std::printf("%-36s noise %.2f %%, bias %+.3f %% (%+.1f s.e. at least), %.2f %% beyond 3 sigma, mean z^2 %.3f\n", what,
+              100 * c.z->noise, 100 * c.all.bias, c.z->bias_z, 100 * c.z->rejected, c.z->mean_square);
+  EXPECT_LT(std::abs(c.z->bias_z), 3) << what;
+  // What chance alone exceeds once in a thousand times, the three channels of a pixel counted as one.
+  const double n = static_cast<double>(c.pixels);
+  EXPECT_LT(c.z->rejected, 0.0027 + 3.1 * std::sqrt(0.0027 / n) + 1 / n) << what;
+  EXPECT_LT(c.z->mean_square, 1 + 3.1 * std::sqrt(2 / n)) << what;
+  EXPECT_LT(c.z->noise, most_noise) << what << ": too few samples to say anything";
+}
+
+/// A grid medium whose every cell has the given values.
+inline Medium constant_grid(glm::vec3 sigma_t, glm::vec3 albedo, double g, double half_size) {
+  auto grid_of = [](glm::vec3 value) {
+    auto grid = std::make_shared<Grid>();
+    grid->size = {5, 4, 3};
+    grid->channels = 3;
+    for (int i = 0; i < 60; ++i) grid->values.insert(grid->values.end(), {value.x, value.y, value.z});
+    return grid;
+  };
+  Medium medium;
+  medium.g = g;
+  medium.sigma_t = grid_of(sigma_t);
+  medium.albedo = grid_of(albedo);
+  medium.world_to_box = scaling(glm::dvec3(0.5 / half_size)) * translation(glm::dvec3(half_size));
+  return medium;
 }
 
 inline glm::vec3 cosine_direction(Random& random, float side) {

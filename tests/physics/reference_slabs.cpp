@@ -83,7 +83,7 @@ TEST(ReferenceSlabs, HalfSpaces) {
 }
 
 // The same under a shining ceiling in place of the environment: an area light, seen through the surface
-// (RefractedWays).
+// (LightGuide).
 TEST(ReferenceSlabs, HalfSpacesUnderACeiling) {
   struct Row {
     double eta, albedo, g, reflected;
@@ -96,7 +96,7 @@ TEST(ReferenceSlabs, HalfSpacesUnderACeiling) {
     const float size = static_cast<float>(20 * width);
     Mesh ceiling = transformed(flipped(quad(size, size)), translation({0, 0.02 * depth, 0}));
     scene.objects.push_back(emitter(transformed(ceiling, rotation({1, 0, 0}, 90)), glm::vec3(1)));
-    World world(scene, Aim::always);
+    World world(scene, Guiding::always);
     expect_within(label("ceiling: eta %.1f albedo %.2f", row.eta, row.albedo).c_str(),
                   normal(world, depth, false, 20000 * study_factor(), 11), row.reflected);
   }

@@ -9,48 +9,10 @@ namespace alabaster {
 namespace {
 using namespace testing_scenes;
 
-Camera looking_at_origin(glm::dvec3 eye, float y_fov) {
-  Camera camera;
-  camera.name = "main";
-  camera.to_world = look_at(eye, {0, 0, 0});
-  camera.y_fov = y_fov;
-  return camera;
-}
-
 Picture constant_picture(int width, int height, float value) {
   Picture picture{width, height, {}, {}};
   for (const char* c : {"R", "G", "B"}) picture.plane(c).assign(static_cast<std::size_t>(width * height), value);
   return picture;
-}
-
-void expect_equal(const Picture& test, const Picture& reference, const char* what) {
-  const Comparison c = compare(test, reference);
-  ASSERT_TRUE(c.z);
-  std::printf("%-36s noise %.2f %%, bias %+.3f %% (%+.1f s.e. at least), %.2f %% beyond 3 sigma, mean z^2 %.3f\n", what,
-              100 * c.z->noise, 100 * c.all.bias, c.z->bias_z, 100 * c.z->rejected, c.z->mean_square);
-  EXPECT_LT(std::abs(c.z->bias_z), 3) << what;
-  // What chance alone exceeds once in a thousand times, the three channels of a pixel counted as one.
-  const double n = static_cast<double>(c.pixels);
-  EXPECT_LT(c.z->rejected, 0.0027 + 3.1 * std::sqrt(0.0027 / n) + 1 / n) << what;
-  EXPECT_LT(c.z->mean_square, 1 + 3.1 * std::sqrt(2 / n)) << what;
-  EXPECT_LT(c.z->noise, 0.06) << what << ": too few samples to say anything";
-}
-
-/// A grid medium whose every cell has the given values.
-Medium constant_grid(glm::vec3 sigma_t, glm::vec3 albedo, double g, double half_size) {
-  auto grid_of = [](glm::vec3 value) {
-    auto grid = std::make_shared<Grid>();
-    grid->size = {5, 4, 3};
-    grid->channels = 3;
-    for (int i = 0; i < 60; ++i) grid->values.insert(grid->values.end(), {value.x, value.y, value.z});
-    return grid;
-  };
-  Medium medium;
-  medium.g = g;
-  medium.sigma_t = grid_of(sigma_t);
-  medium.albedo = grid_of(albedo);
-  medium.world_to_box = scaling(glm::dvec3(0.5 / half_size)) * translation(glm::dvec3(half_size));
-  return medium;
 }
 
 // A lossless object in a lit box (walls of radiance 1) must look like its walls, whatever its colours, index, phase
@@ -115,7 +77,7 @@ TEST(ReferenceTransport, AimingThroughTheSurfaceAgreesWithChance) {
     Scene scene;
     scene.objects.push_back(translucent(mesh, homogeneous(glm::dvec3(6), glm::dvec3(0.1), 0.3), 1.4));
     scene.objects.push_back(emitter(transformed(flipped(quad(1, 1)), translation({0, 1.8, 0})), glm::vec3(10)));
-    const World aiming(scene, Aim::always), chance(scene, Aim::never);
+    const World aiming(scene, Guiding::always), chance(scene, Guiding::never);
     const auto draw = [](Random& random) {
       const glm::vec3 eye(0.8f, 3, 2), at(random.uniform() - 0.5f, 0, random.uniform() - 0.5f);
       return Ray{eye, glm::normalize(at - eye)};

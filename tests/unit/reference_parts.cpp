@@ -5,7 +5,6 @@
 
 #include "reference/media.h"
 #include "reference/random.h"
-#include "reference/refraction.h"
 #include "reference/world.h"
 #include "scene/shapes.h"
 
@@ -122,31 +121,6 @@ TEST(ReferenceMedia, MajorantsBoundTheMedium) {
     }
   }
   EXPECT_GT(candidates_met, 10000);
-}
-
-// Snell's law, and the solid angle at x by finite differences over y.
-TEST(ReferenceRefraction, PlanarWayObeysSnellAndSpreads) {
-  Random random(4, 4, 4);
-  for (int trial = 0; trial < 200; ++trial) {
-    const auto uniform = [&] { return static_cast<double>(random.uniform()); };
-    const glm::dvec3 n = glm::normalize(glm::dvec3(around({0, 0, 1}, 2 * random.uniform() - 1, random.uniform())));
-    const glm::dvec3 p(uniform(), uniform(), uniform()), s(around(glm::vec3(n), 0, random.uniform()));
-    const double near = 0.01 + uniform(), far = 0.01 + 3 * uniform(),
-                 ratio = trial % 4 ? 1 + uniform() : 1 / (1 + uniform());
-    const glm::dvec3 x = p - near * n, y = p + far * n + (trial % 10 ? 4 * uniform() : 0.0) * s;
-    const PlanarRefraction r = refract_between(x, y, p, n, ratio);
-    const glm::dvec3 in = glm::normalize(r.point - x), out = glm::normalize(y - r.point);
-    EXPECT_NEAR(glm::dot(r.point - p, n), 0, 1e-12);
-    EXPECT_NEAR(glm::length(ratio * glm::cross(in, n) - glm::cross(out, n)), 0, 1e-6);
-    EXPECT_NEAR(glm::dot(in, n), r.cosine_near, 1e-6);
-    EXPECT_NEAR(glm::dot(out, n), r.cosine_far, 1e-6);
-    const double h = 1e-4 * (near + far);
-    const glm::dvec3 u = glm::normalize(glm::cross(out, glm::dvec3(0.3, 0.5, -0.7))), v = glm::cross(out, u);
-    const auto direction = [&](glm::dvec3 to) { return glm::normalize(refract_between(x, to, p, n, ratio).point - x); };
-    const glm::dvec3 du = (direction(y + h * u) - direction(y - h * u)) / (2 * h),
-                     dv = (direction(y + h * v) - direction(y - h * v)) / (2 * h);
-    EXPECT_NEAR(glm::length(glm::cross(du, dv)) / r.spread, 1, 2e-3) << trial;
-  }
 }
 
 TEST(ReferenceWorld, ClearanceIsALowerBound) {
