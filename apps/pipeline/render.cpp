@@ -40,8 +40,9 @@ void solve(gpu::Context& context, const Lighting& lighting, Body& body, double e
   }
   Stage stage(result, "solve");
   ObjectReport& report = result.objects.emplace_back();
-  report.solver = body.diffusion->solve(body.source->gamma_s(), &body.source->side_gamma_s());
-  report.energy = body.diffusion->energy(body.source->gamma_s());
+  const FacetLight light(body.source->gamma_s(), 2);
+  report.solver = body.diffusion->solve(light);
+  report.energy = body.diffusion->energy(light);
 }
 
 void report_on(const Object& object, const Body& body, int channels, RenderResult& result) {

@@ -107,25 +107,26 @@ void Diffusion::set_medium(const MediumSamples& medium) {
   multigrid_.set_up();
 }
 
-SurfacePush Diffusion::surface_push() const {
+SurfacePush Diffusion::surface_push(int sides) const {
   return {domain_.frame.cells,       cut_count_,     multigrid_.channels(), static_cast<float>(A_),
-          static_cast<float>(f_dt_), domain_.frame.h, 1};
+          static_cast<float>(f_dt_), domain_.frame.h, sides};
 }
 
-void Diffusion::record_source(gpu::Commands& commands, const gpu::Buffer& gamma_s, bool corrected) {
+void Diffusion::record_source(gpu::Commands& commands, const FacetLight& light, bool corrected) {
   const auto scope = commands.time("diffusion source");
   commands.dispatch(passes_.facets[corrected], {cut_count_, multigrid_.channels(), 1},
                     {{"cut_index", domain_.cut_index},
                      {"cut_cells", domain_.cut_cells},
                      {"conductances", conductances_},
-                     {"gamma_s", gamma_s},
+                     {"gamma_s", light.gamma_s},
+                     {"facets", facets_},
                      {"scales", scales_},
                      {"gradients", gradients_},
                      {"stencil", multigrid_.finest().stencil},
                      {"cell_sources", cell_sources_},
                      {"face_fluxes", face_fluxes_},
                      {"facet_offsets", facet_offsets_}},
-                    surface_push());
+                    surface_push(light.sides));
   commands.dispatch(passes_.source[corrected], multigrid_.threads(0),
                     {{"tiles", tiles_.packed},
                      {"cut_index", domain_.cut_index},
@@ -143,25 +144,23 @@ void Diffusion::record_rescale(gpu::Commands& commands) {
       surface_push());
 }
 
-void Diffusion::record_gradients(gpu::Commands& commands, const gpu::Buffer& gamma_s) {
+void Diffusion::record_gradients(gpu::Commands& commands, const FacetLight& light) {
   const auto scope = commands.time("diffusion gradients");
   commands.dispatch(passes_.gradient, {cut_count_, multigrid_.channels(), 1},
                     {{"cut_index", domain_.cut_index},
                      {"cut_cells", domain_.cut_cells},
-                     {"gamma_s", gamma_s},
+                     {"gamma_s", light.gamma_s},
                      {"facets", facets_},
                      {"scales", scales_},
                      {"volume", domain_.volume},
                      {"phi", pcg_.solution()},
                      {"gradients", gradients_}},
-                    surface_push());
+                    surface_push(light.sides));
 }
 
-void Diffusion::record_surface(gpu::Commands& commands, const gpu::Buffer& gamma_s, int sides) {
+void Diffusion::record_surface(gpu::Commands& commands, const FacetLight& light) {
   const auto scope = commands.time("diffusion surface");
   const glm::ivec3 n = domain_.frame.cells;
-  SurfacePush push = surface_push();
-  push.sides = sides;
   commands.dispatch(passes_.surface, {n.x / 4, n.y, n.z},
                     {{"cut_index", domain_.cut_index},
                      {"cut_cells", domain_.cut_cells},
@@ -169,20 +168,20 @@ void Diffusion::record_surface(gpu::Commands& commands, const gpu::Buffer& gamma
                      {"gradients", gradients_},
                      {"volume", domain_.volume},
                      {"phi", pcg_.solution()},
-                     {"gamma_s", gamma_s},
+                     {"gamma_s", light.gamma_s},
                      {"facets", facets_},
                      {"phi_up", surface_[0]},
                      {"phi_down", surface_[1]},
                      {"gamma_up", surface_gamma_[0]},
                      {"gamma_down", surface_gamma_[1]}},
-                    push);
+                    surface_push(light.sides));
 }
 
 // Puts the units of fluence in place. True where the solution and the gradients of before are of use for this light.
-bool Diffusion::adopt_light(const gpu::Buffer& gamma_s) {
+bool Diffusion::adopt_light(const FacetLight& light) {
   gpu::Commands commands(context_);
-  commands.dispatch(passes_.scale, {256 * multigrid_.channels(), 1, 1}, {{"gamma_s", gamma_s}, {"scales", scales_}},
-                    surface_push());
+  commands.dispatch(passes_.scale, {256 * multigrid_.channels(), 1, 1}, {{"gamma_s", light.gamma_s}, {"scales", scales_}},
+                    surface_push(light.sides));
   commands.submit();
   const FluenceScale* scales = static_cast<const FluenceScale*>(scales_.mapped());
   return std::all_of(scales, scales + multigrid_.channels(),
@@ -190,15 +189,15 @@ bool Diffusion::adopt_light(const gpu::Buffer& gamma_s) {
 }
 
 // The corrections converge about as fast as the solver does, so the early solves need no more digits than they bring.
-SolverStatus Diffusion::solve(const gpu::Buffer& gamma_s, const gpu::Buffer* side_gamma_s) {
+SolverStatus Diffusion::solve(const FacetLight& light) {
   SolverStatus status;
   int iterations = 0;
-  const bool warm = adopt_light(gamma_s);
+  const bool warm = adopt_light(light);
   for (int pass = 0; pass <= options_.corrections; ++pass) {
     gpu::Commands commands(context_);
     if (pass == 0) record_rescale(commands);
-    if (pass > 0) record_gradients(commands, gamma_s);
-    record_source(commands, gamma_s, options_.corrections > 0 && (pass > 0 || warm));
+    if (pass > 0) record_gradients(commands, light);
+    record_source(commands, light, options_.corrections > 0 && (pass > 0 || warm));
     commands.submit();
     const double reached = pass == options_.corrections ? 0.0 : std::pow(10.0, -2 - pass);
     status = pcg_.solve(std::max(options_.tolerance, reached));
@@ -206,13 +205,13 @@ SolverStatus Diffusion::solve(const gpu::Buffer& gamma_s, const gpu::Buffer* sid
   }
   status.iterations = iterations;
   gpu::Commands commands(context_);
-  record_gradients(commands, gamma_s);
-  record_surface(commands, side_gamma_s ? *side_gamma_s : gamma_s, side_gamma_s ? 2 : 1);
+  record_gradients(commands, light);
+  record_surface(commands, light);
   commands.submit();
   return status;
 }
 
-EnergyBalance Diffusion::energy(const gpu::Buffer& gamma_s) {
+EnergyBalance Diffusion::energy(const FacetLight& light) {
   gpu::Commands commands(context_);
   const LevelPush level{domain_.frame.cells, domain_.frame.cells, 0};
   commands.dispatch(passes_.absorbed, multigrid_.threads(0),
@@ -223,15 +222,15 @@ EnergyBalance Diffusion::energy(const gpu::Buffer& gamma_s) {
                      {"phi", pcg_.solution()}},
                     level);
   commands.dispatch(passes_.energy, {256 * multigrid_.channels(), 1, 1},
-                    {{"cut_cells", domain_.cut_cells},
-                     {"gamma_s", gamma_s},
+                    {{"cut_index", domain_.cut_index}, {"cut_cells", domain_.cut_cells},
+                     {"gamma_s", light.gamma_s},
                      {"facets", facets_},
                      {"scales", scales_},
                      {"partials", pcg_.partials()},
                      {"facet_offsets", facet_offsets_},
                      {"phi", pcg_.solution()},
                      {"sums", energy_sums_}},
-                    EnergyPush{surface_push(), pcg_.partials_per_channel()});
+                    EnergyPush{surface_push(light.sides), pcg_.partials_per_channel()});
   commands.submit();
   const FluenceScale* scales = static_cast<const FluenceScale*>(scales_.mapped());
   const EnergySums* sums = static_cast<const EnergySums*>(energy_sums_.mapped());

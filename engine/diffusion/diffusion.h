@@ -21,6 +21,14 @@ struct EnergyBalance {
   double imbalance() const;  // largest |in - absorbed - out| / in over the channels with light
 };
 
+/// Gamma_s on the facets, W/m^2: `sides` vec3 (one channel takes red) for every cut cell of the domain, entry 0 included,
+/// with the factor exp(-sigma_a/sigma_s') of facet_medium(); 2 where the sides of the surface (GpuCutCell::side) have their own.
+struct FacetLight {
+  FacetLight(const gpu::Buffer& buffer, int entries = 1) : gamma_s(buffer), sides(entries) {}
+  const gpu::Buffer& gamma_s;
+  int sides;
+};
+
 class Diffusion {
  public:
   /// `domain` and the passes outlive this. One or three channels, as `medium` has.
@@ -30,15 +38,11 @@ class Diffusion {
   /// A new medium on the same grid; the solution stays as the start of the next solve.
   void set_medium(const MediumSamples& medium);
 
-  /// Solves for Gamma_s: `gamma_s` holds a vec3 (W/m^2, one channel takes red) for every cut cell of the domain, entry
-  /// 0 included, averaged over its facet, with the factor exp(-sigma_a/sigma_s') of facet_medium(). Starts from the
-  /// solution of before where there is one. Then makes surface().
-  /// `side_gamma_s` holds two vec3 a cut cell, one for each side of its surface (GpuCutCell::side), and serves the surface
-  /// images alone; without it both sides take `gamma_s`.
-  SolverStatus solve(const gpu::Buffer& gamma_s, const gpu::Buffer* side_gamma_s = nullptr);
+  /// Starts from the solution of before where there is one. Then makes surface() and surface_gamma().
+  SolverStatus solve(const FacetLight& light);
 
   /// Of the last solve.
-  EnergyBalance energy(const gpu::Buffer& gamma_s);
+  EnergyBalance energy(const FacetLight& light);
 
   /// Fluence for the surface query, W/m^2, rgba32f, one texel a cell with its value at the cell's centre: sampled
   /// trilinearly at a point of the surface it gives phi there. One channel fills r, g and b.
@@ -56,12 +60,12 @@ class Diffusion {
   const gpu::Buffer& facet_conductances() const { return conductances_; }
 
  private:
-  SurfacePush surface_push() const;
-  bool adopt_light(const gpu::Buffer& gamma_s);
+  SurfacePush surface_push(int sides = 1) const;
+  bool adopt_light(const FacetLight& light);
   void record_rescale(gpu::Commands& commands);
-  void record_source(gpu::Commands& commands, const gpu::Buffer& gamma_s, bool corrected);
-  void record_gradients(gpu::Commands& commands, const gpu::Buffer& gamma_s);
-  void record_surface(gpu::Commands& commands, const gpu::Buffer& gamma_s, int sides);
+  void record_source(gpu::Commands& commands, const FacetLight& light, bool corrected);
+  void record_gradients(gpu::Commands& commands, const FacetLight& light);
+  void record_surface(gpu::Commands& commands, const FacetLight& light);
 
   gpu::Context& context_;
   const FluencePasses& passes_;

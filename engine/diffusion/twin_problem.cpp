@@ -54,8 +54,10 @@ Problem assemble(const CutCells& cells, const MaterialField& medium, double A) {
     }
     problem.absorption[i] /= problem.kappa_scale;
     if (const CutCell* cut = cells.find(c)) {
-      const double depth = std::max(cut->facet.distance, least_distance) / k;
-      problem.facet_conductance[i] = cut->facet.area * dsbc_conductance(A * problem.kappa_scale / h, depth);
+      for (const Facet& side : cut->side) {
+        const double depth = std::max(side.distance, least_distance) / k;
+        problem.facet_conductance[i] += side.area * dsbc_conductance(A * problem.kappa_scale / h, depth);
+      }
     }
     diagonal_entry[i] += problem.absorption[i] + problem.facet_conductance[i];
   });

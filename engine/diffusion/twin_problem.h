@@ -19,7 +19,7 @@ using MaterialField = std::function<Material(glm::dvec3 world)>;
 /// Finite volumes with unknowns at the cells' centroids,
 ///   sum_f T_f (phi_i - phi_j) + sigma_a V phi_i + B_i (phi_i - q_i) = 0,
 /// divided by h * kappa_scale: T_f = aperture / (d_i / k_i + d_j / k_j), k = kappa / kappa_scale, distances in h;
-/// B_i = area / (2 A kappa_scale / h + d / k).
+/// B_i = sum over the two sides of its surface of area / (2 A kappa_scale / h + d / k).
 struct Problem {
   Operator a;
   Vector facet_conductance;  // B_i, per cell

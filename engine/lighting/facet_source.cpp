@@ -11,8 +11,7 @@ FacetSource::FacetSource(gpu::Context& context, const Domain& domain)
       source_pass_(context, "lighting/facet_source.comp"),
       receivers_(context, 2 * count_ * sizeof(Receiver), "facet receivers"),
       flux_(context, 2 * count_ * sizeof(glm::vec3), "facet flux"),
-      gamma_s_(context, count_ * sizeof(glm::vec3), "facet Gamma_s"),
-      side_gamma_s_(context, 2 * count_ * sizeof(glm::vec3), "facet Gamma_s by side") {}
+      gamma_s_(context, 2 * count_ * sizeof(glm::vec3), "facet Gamma_s") {}
 
 void FacetSource::record(gpu::Commands& commands, const Lighting& lighting, const gpu::Buffer& media,
                          double eta) const {
@@ -20,8 +19,7 @@ void FacetSource::record(gpu::Commands& commands, const Lighting& lighting, cons
   commands.dispatch(receivers_pass_, {2 * count_, 1, 1}, {{"cut_cells", domain_.cut_cells}, {"receivers", receivers_}},
                     push);
   lighting.record_gather(commands, receivers_, 2 * count_, eta, flux_);
-  commands.dispatch(source_pass_, {count_, 1, 1},
-                    {{"cut_cells", domain_.cut_cells}, {"flux", flux_}, {"media", media}, {"gamma_s", gamma_s_}, {"side_gamma_s", side_gamma_s_}}, push);
+  commands.dispatch(source_pass_, {2 * count_, 1, 1}, {{"flux", flux_}, {"media", media}, {"gamma_s", gamma_s_}}, push);
 }
 
 }  // namespace alabaster

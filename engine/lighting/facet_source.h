@@ -12,20 +12,18 @@ class FacetSource {
  public:
   FacetSource(gpu::Context& context, const Domain& domain);
 
-  /// Gamma_s (report, Eq. 5) of each cut cell into gamma_s(). `media` holds a FacetMedium (shared/diffusion.h) a cut
+  /// Gamma_s (report, Eq. 5) of each side of each cut cell into gamma_s(). `media` holds a FacetMedium (shared/diffusion.h) a cut
   /// cell, `eta` is index inside / outside. The shadow maps of `lighting` must have been recorded before.
   void record(gpu::Commands& commands, const Lighting& lighting, const gpu::Buffer& media, double eta) const;
 
-  /// W/m^2, one vec3 an entry of Domain::cut_cells.
+  /// W/m^2, two vec3 an entry of Domain::cut_cells, one for each side of its surface.
   const gpu::Buffer& gamma_s() const { return gamma_s_; }
-  /// The same for each of its two sides: 2 vec3 an entry.
-  const gpu::Buffer& side_gamma_s() const { return side_gamma_s_; }
 
  private:
   const Domain& domain_;
   std::uint32_t count_;  // entries of Domain::cut_cells
   gpu::Pass receivers_pass_, source_pass_;
-  gpu::Buffer receivers_, flux_, gamma_s_, side_gamma_s_;
+  gpu::Buffer receivers_, flux_, gamma_s_;
 };
 
 }  // namespace alabaster

@@ -5,13 +5,10 @@
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
 #include "shared/diffusion.h"
-#include "shared/domain.h"
-#include "shared/optics.h"
+#include "diffusion/cut.glsl"
 layout(local_size_x = 256) in;
 layout(push_constant, scalar) uniform PushBlock { SurfacePush push; int partials_per_channel; };
-layout(binding = 0, scalar) readonly buffer CutCells { GpuCutCell cut_cells[]; };
-layout(binding = 1, scalar) readonly buffer GammaS { vec3 gamma_s[]; };
-layout(binding = 2, scalar) readonly buffer Facets { FacetMedium facets[]; };
+#include "diffusion/light.glsl"
 layout(binding = 3, scalar) readonly buffer Scales { FluenceScale scales[]; };
 layout(binding = 4, scalar) readonly buffer Partials { float partials[]; };
 layout(binding = 5, rgba32f) uniform readonly image3D phi;
@@ -19,21 +16,23 @@ layout(binding = 7, scalar) readonly buffer FacetOffsets { float facet_offsets[]
 layout(binding = 6, scalar) writeonly buffer Sums { EnergySums sums[]; };
 shared vec3 shares[256];
 
-const float least_distance = 0.05;
-
 void main() {
   int channel = int(gl_WorkGroupID.x), lane = int(gl_LocalInvocationID.x);
   vec3 sum = vec3(0);
   for (int i = 1 + lane; i < push.count; i += 256) {
-    GpuFacet facet = cut_cells[i].facet;
     ivec3 c = cut_cells[i].cell;
     float own = imageLoad(phi, ivec3(c.x >> 2, c.y, c.z + channel * push.cells.z))[c.x & 3] * scales[channel].unit;
     own += facet_offsets[channel * push.count + i];
-    float gamma = gamma_s[i][channel], depth = max(facet.distance, least_distance) * push.h / facets[i].kappa[channel];
-    float surface = dsbc_surface_fluence(own, dsbc_source(gamma, push.f_dt), push.A, depth);
-    float area = facet.area * push.h * push.h;
-    sum.x += area * gamma;
-    sum.z += area * (push.f_dt / 4) * query_bracket(surface, gamma, push.A, push.f_dt);
+    for (int side = 0; side < 2; ++side) {
+      GpuFacet facet = cut_cells[i].side[side];
+      if (facet.area <= 0) continue;
+      float gamma = gamma_of(i, side)[channel];
+      float depth = max(facet.distance, least_distance) * push.h / facets[i].kappa[channel];
+      float surface = dsbc_surface_fluence(own, dsbc_source(gamma, push.f_dt), push.A, depth);
+      float area = facet.area * push.h * push.h;
+      sum.x += area * gamma;
+      sum.z += area * (push.f_dt / 4) * query_bracket(surface, gamma, push.A, push.f_dt);
+    }
   }
   for (int i = lane; i < partials_per_channel; i += 256) sum.y += partials[channel * partials_per_channel + i];
   shares[lane] = sum;

@@ -14,7 +14,7 @@ layout(local_size_x = 64) in;
 layout(constant_id = 0) const int corrected = 0;
 layout(push_constant, scalar) uniform PushBlock { SurfacePush push; };
 layout(binding = 3, scalar) readonly buffer Conductances { float conductances[]; };  // [channel][cut cell]
-layout(binding = 4, scalar) readonly buffer GammaS { vec3 gamma_s[]; };
+#include "diffusion/light.glsl"
 layout(binding = 5, scalar) readonly buffer Scales { FluenceScale scales[]; };
 layout(binding = 6, scalar) readonly buffer Gradients { vec4 gradients[]; };          // (g, phi_c), W/m^2
 layout(binding = 7, rgba32f) uniform readonly image3D stencil;
@@ -65,12 +65,11 @@ void main() {
   }
   if (index != 0) {
     GpuFacet facet = cut_cells[index].facet;
-    float size = length(facet.area_vector);
-    if (corrected != 0 && size > 0.5 * facet.area) {
-      vec3 normal = facet.area_vector / size, away = facet.centre - cut_cells[index].centre;
+    if (corrected != 0 && !bent(facet)) {
+      vec3 normal = normalize(facet.area_vector), away = facet.centre - cut_cells[index].centre;
       offset_below = offset_value(index, channel, away - normal * dot(away, normal));
     }
-    source += conductances[at] * (dsbc_source(gamma_s[index][channel], push.f_dt) - offset_below) * per_unit;
+    source += conductances[at] * (dsbc_source(driving_gamma(index, channel), push.f_dt) - offset_below) * per_unit;
   }
   cell_sources[at] = source;
   facet_offsets[at] = offset_below;

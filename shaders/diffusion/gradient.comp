@@ -8,8 +8,7 @@
 #include "shared/optics.h"
 layout(local_size_x = 64) in;
 layout(push_constant, scalar) uniform PushBlock { SurfacePush push; };
-layout(binding = 3, scalar) readonly buffer GammaS { vec3 gamma_s[]; };
-layout(binding = 4, scalar) readonly buffer Facets { FacetMedium facets[]; };
+#include "diffusion/light.glsl"
 layout(binding = 5, scalar) readonly buffer Scales { FluenceScale scales[]; };
 layout(binding = 6, rgba32f) uniform readonly image3D volume;
 layout(binding = 7, rgba32f) uniform readonly image3D phi;
@@ -46,7 +45,7 @@ void main() {
     vec3 d = facet.centre - centre + 2 * push.A * (facets[index].kappa[channel] / push.h) * normalize(facet.area_vector);
     float weight = 1 / dot(d, d);
     normal_matrix += weight * outerProduct(d, d);
-    right += weight * (dsbc_source(gamma_s[index][channel], push.f_dt) - own) * d;
+    right += weight * (dsbc_source(mean_gamma(index, channel), push.f_dt) - own) * d;
   }
   float trace = normal_matrix[0][0] + normal_matrix[1][1] + normal_matrix[2][2];
   vec3 g = trace > 0 ? inverse(normal_matrix + mat3(regular * trace)) * right : vec3(0);

@@ -1,11 +1,10 @@
 // The finest stencil of the diffusion equation on cut cells, all divided by h * kappa_scale (twin_problem.h):
-//   T_f = aperture / (d_i / k_i + d_j / k_j), B_i = area / (2 A kappa_scale / h + d / k), reaction = absorption V + B.
+//   T_f = aperture / (d_i / k_i + d_j / k_j), B_i = sum over sides of area / (2 A kappa_scale / h + d / k), reaction = absorption V + B.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #define LEVEL_PUSH OperatorPush
 #include "diffusion/level.glsl"
 #include "diffusion/cut.glsl"
-#include "shared/optics.h"
 layout(binding = 3, rgba32f) uniform readonly image3D volume;
 layout(binding = 4, rgba32f) uniform readonly image3D aperture_x;
 layout(binding = 5, rgba32f) uniform readonly image3D aperture_y;
@@ -14,8 +13,6 @@ layout(binding = 7, rgba32f) uniform readonly image3D kappa;       // in kappa_s
 layout(binding = 8, rgba32f) uniform readonly image3D absorption;  // sigma_a h^2 / kappa_scale
 layout(binding = 9, rgba32f) uniform writeonly image3D stencil;
 layout(binding = 10, scalar) writeonly buffer Conductances { float conductances[]; };  // B, [channel][cut cell]
-
-const float least_distance = 0.05;  // of an unknown from a face or the surface, in h
 
 vec4 conductance(int axis, ivec3 cell, vec4 aperture, vec4 k, vec4 k_below) {
   vec4 result = vec4(0);
@@ -42,8 +39,8 @@ void main() {
   for (int lane = 0; lane < 4; ++lane) {
     uint index = cut_at(cell + ivec3(lane, 0, 0));
     if (index == 0 || k[lane] <= 0) continue;
-    float depth = max(cut_cells[index].facet.distance, least_distance) / k[lane];
-    float b = cut_cells[index].facet.area * dsbc_conductance(push.resistance[channel], depth);
+    float b = side_conductance(index, 0, push.resistance[channel], k[lane]) +
+              side_conductance(index, 1, push.resistance[channel], k[lane]);
     conductances[channel * push.count + index] = b;
     reaction[lane] += b;
   }

@@ -7,14 +7,14 @@
 #include "shared/optics.h"
 layout(local_size_x = 256) in;
 layout(push_constant, scalar) uniform PushBlock { SurfacePush push; };
-layout(binding = 0, scalar) readonly buffer GammaS { vec3 gamma_s[]; };  // W/m^2, by cut cell
+layout(binding = 0, scalar) readonly buffer GammaS { vec3 gamma_s[]; };  // W/m^2, push.sides a cut cell
 layout(binding = 1, scalar) buffer Scales { FluenceScale scales[]; };
 shared float largest[256];
 
 void main() {
   uint channel = gl_WorkGroupID.x, lane = gl_LocalInvocationID.x;
   float value = 0;
-  for (uint i = 1 + lane; i < uint(push.count); i += 256) value = max(value, dsbc_source(gamma_s[i][channel], push.f_dt));
+  for (uint i = uint(push.sides) + lane; i < uint(push.sides * push.count); i += 256) value = max(value, dsbc_source(gamma_s[i][channel], push.f_dt));
   largest[lane] = value;
   for (uint span = 128; span > 0; span >>= 1) {
     barrier();

@@ -2,7 +2,7 @@
 // part (domain/facet_class.glsl), which may have their own light and their own phi within one cell. Where there is one side
 // only, both images say the same.
 // phi: inner cells as they are, cut cells carried from the centroid to the centre along their gradient, slivers and cells
-// outside the mean of what the cut cells around them say. Gamma_s: a cut cell's own, else the mean of those around.
+// outside the mean of what the cut cells around them say (which may be negative: only on the surface is it a fluence). Gamma_s: a cut cell's own, else the mean of those around.
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
@@ -15,8 +15,7 @@ layout(binding = 3, scalar) readonly buffer Scales { FluenceScale scales[]; };
 layout(binding = 4, scalar) readonly buffer Gradients { vec4 gradients[]; };
 layout(binding = 5, rgba32f) uniform readonly image3D volume;
 layout(binding = 6, rgba32f) uniform readonly image3D phi;
-layout(binding = 7, scalar) readonly buffer GammaS { vec3 gamma_s[]; };  // push.sides a cut cell
-layout(binding = 8, scalar) readonly buffer Facets { FacetMedium facets[]; };
+#include "diffusion/light.glsl"
 layout(binding = 9, rgba32f) uniform writeonly image3D phi_up;
 layout(binding = 10, rgba32f) uniform writeonly image3D phi_down;
 layout(binding = 11, rgba32f) uniform writeonly image3D gamma_up;
@@ -24,27 +23,22 @@ layout(binding = 12, rgba32f) uniform writeonly image3D gamma_down;
 
 const float sliver = 0.05;  // h^3; a smaller cut cell's value comes from its neighbours, as if it were outside
 
-vec3 gamma_of(uint index, int side) { return gamma_s[push.sides == 2 ? 2 * index + side : index]; }
-
-// What cut cell `index` says of the point `away` from its low corner, h.
-vec3 carried(uint index, vec3 away) {
-  vec3 result;
+// What cut cell `index` says of the point `away` from its low corner, h, to one side of its surface. Where two sheets lie back
+// to back the cell's gradient says nothing across them: there each side has the slope between the cell's value and the
+// fluence on its own sheet, by the series resistance (dsbc_surface_fluence).
+vec3 carried(uint index, vec3 away, int side) {
+  GpuFacet facet = cut_cells[index].side[side];
+  bool own_slope = bent(cut_cells[index].facet) && facet.area > 0;
+  float depth = max(facet.distance, least_distance);
+  vec3 r = away - cut_cells[index].centre, normal = own_slope ? normalize(facet.area_vector) : vec3(0), result;
+  float across = dot(normal, r);
   for (int c = 0; c < 3; ++c) {
     vec4 g = gradients[min(c, push.channels - 1) * push.count + index];
-    result[c] = g.w + dot(g.xyz, away - cut_cells[index].centre);
+    float q = dsbc_source(gamma_of(index, side)[c], push.f_dt);
+    float sheet = dsbc_surface_fluence(g.w, q, push.A, depth * push.h / facets[index].kappa[c]);
+    result[c] = g.w + dot(g.xyz, r - across * normal) + across * (sheet - g.w) / depth;
   }
   return result;
-}
-
-// A cell with two sheets back to back has no slope across; each sheet's phi then follows from the series resistance of its
-// own side between the cell's value and its own light.
-vec3 on_side(uint index, int side, vec3 value) {
-  GpuFacet facet = cut_cells[index].side[side];
-  if (!bent(cut_cells[index].facet) || facet.area <= 0) return value;
-  for (int c = 0; c < 3; ++c)
-    value[c] = dsbc_surface_fluence(value[c], dsbc_source(gamma_of(index, side)[c], push.f_dt), push.A,
-                                    facet.distance * push.h / facets[index].kappa[c]);
-  return value;
 }
 
 // Sums over facets of one side: area times Gamma_s with the area, and the area vector.
@@ -80,8 +74,7 @@ Around look_around(ivec3 cell, bool needed) {
     if (index == 0) continue;
     vec3 away = vec3(0.5) - vec3(d), apart = away - cut_cells[index].centre;
     float weight = cut_cells[index].volume / dot(apart, apart);
-    vec3 value = carried(index, away);
-    for (int side = 0; side < 2; ++side) around.phi[side] += weight * on_side(index, side, value);
+    for (int side = 0; side < 2; ++side) around.phi[side] += weight * carried(index, away, side);
     weights += weight;
     add(around.sums, index);
   }
@@ -120,14 +113,14 @@ void main() {
     for (int side = 0; side < 2; ++side) {
       vec3 value = around.phi[side];
       if (whole) value = vec3(values[0][lane], values[1][lane], values[2][lane]);
-      if (cut) value = on_side(index, side, carried(index, vec3(0.5)));
+      if (cut) value = carried(index, vec3(0.5), side);
       vec3 gamma = here[side].gamma.w > 0 ? mean_gamma(here, side) : mean_gamma(around.sums, side);
       if (push.channels == 1) gamma = gamma.rrr;
       if (side == 0) {
-        imageStore(phi_up, cell, vec4(max(value, vec3(0)), 1));
+        imageStore(phi_up, cell, vec4(value, 1));
         imageStore(gamma_up, cell, vec4(gamma, 1));
       } else {
-        imageStore(phi_down, cell, vec4(max(value, vec3(0)), 1));
+        imageStore(phi_down, cell, vec4(value, 1));
         imageStore(gamma_down, cell, vec4(gamma, 1));
       }
     }

@@ -27,7 +27,7 @@ void main() {
     const Hit hit = next_hit(push.camera, pixel, todo);
     const vec3 place = (hit.position - push.grid_low) * push.grid_inverse;
     const bool down = (facet_class(hit.normal) & 1) == 1;
-    const vec3 phi_here = down ? texture(phi_down, place).rgb : texture(phi_up, place).rgb;
+    const vec3 phi_here = max(down ? texture(phi_down, place).rgb : texture(phi_up, place).rgb, vec3(0));
     const vec3 gamma = down ? texture(gamma_down, place).rgb : texture(gamma_up, place).rgb;
     const float cos_eye = clamp(dot(hit.normal, hit.to_eye), 0, 1);
     const float f_t = fresnel_transmittance(cos_eye, push.eta);
