@@ -30,17 +30,21 @@ ProcessCost run_sibling(const std::string& program, const std::vector<std::strin
   int status = 0;
   rusage usage{};
   wait4(child, &status, 0, &usage);
-  const auto ms = [](const timeval& t) { return 1e3 * static_cast<double>(t.tv_sec) + 1e-3 * static_cast<double>(t.tv_usec); };
+  const auto ms = [](const timeval& t) {
+    return 1e3 * static_cast<double>(t.tv_sec) + 1e-3 * static_cast<double>(t.tv_usec);
+  };
   if (!WIFEXITED(status) || WEXITSTATUS(status) != 0) {
     std::string line = program;
     for (const std::string& argument : arguments) line += " " + argument;
     throw UserError(line + " failed; run it by itself to see why");
   }
-  return {std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count(), ms(usage.ru_utime) + ms(usage.ru_stime),
-          static_cast<double>(usage.ru_maxrss) / 1024};
+  return {std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count(),
+          ms(usage.ru_utime) + ms(usage.ru_stime), static_cast<double>(usage.ru_maxrss) / 1024};
 }
 
-Scratch::Scratch() : folder_(fs::temp_directory_path() / ("alabaster-bench-" + std::to_string(getpid()))) { fs::create_directories(folder_); }
+Scratch::Scratch() : folder_(fs::temp_directory_path() / ("alabaster-bench-" + std::to_string(getpid()))) {
+  fs::create_directories(folder_);
+}
 
 Scratch::~Scratch() {
   std::error_code ignored;

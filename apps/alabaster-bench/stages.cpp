@@ -32,18 +32,24 @@ void run_stages(const Arguments& a) {
     cpu.push_back(cost.cpu_ms);
     peak.push_back(cost.peak_mib);
     std::ifstream file(stats);
-    for (auto& [name, ms] : nlohmann::json::parse(file).at("stages").get<std::map<std::string, double>>()) stages[name].push_back(ms);
+    for (auto& [name, ms] : nlohmann::json::parse(file).at("stages").get<std::map<std::string, double>>())
+      stages[name].push_back(ms);
   }
 
-  nlohmann::json json{{"scene", a.scene}, {"runs", a.runs}, {"wall_ms", median(wall)}, {"cpu_ms", median(cpu)}, {"peak_mib", median(peak)}};
+  nlohmann::json json{{"scene", a.scene},
+                      {"runs", a.runs},
+                      {"wall_ms", median(wall)},
+                      {"cpu_ms", median(cpu)},
+                      {"peak_mib", median(peak)}};
   std::printf("| stage | ms (median of %d) |\n| --- | --- |\n", a.runs);
   for (auto& [name, values] : stages) {
     std::printf("| %s | %.0f |\n", name.c_str(), median(values));
     json["stages"][name] = median(values);
   }
   const auto [least, most] = std::minmax_element(wall.begin(), wall.end());
-  std::printf("| whole process | %.0f (%.0f to %.0f) |\n| processor time, all threads | %.0f |\n| peak memory, MiB | %.0f |\n", median(wall),
-              *least, *most, median(cpu), median(peak));
+  std::printf(
+      "| whole process | %.0f (%.0f to %.0f) |\n| processor time, all threads | %.0f |\n| peak memory, MiB | %.0f |\n",
+      median(wall), *least, *most, median(cpu), median(peak));
   if (!a.json.empty()) write_whole_file(a.json, json.dump(2) + "\n");
 }
 

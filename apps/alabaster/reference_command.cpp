@@ -67,8 +67,12 @@ void add_reference(CLI::App& app) {
   command->add_option("--components", a->components, "multiple,single,surface")
       ->delimiter(',')
       ->check(CLI::IsMember({"multiple", "single", "surface"}));
-  const std::map<std::string, Guiding> guidings{{"automatic", Guiding::automatic}, {"always", Guiding::always}, {"never", Guiding::never}};
-  command->add_option("--guiding", a->options.guiding, "look for lamps through refracting surfaces: automatic, always, never; changes the noise alone")->transform(CLI::CheckedTransformer(guidings));
+  const std::map<std::string, Guiding> guidings{
+      {"automatic", Guiding::automatic}, {"always", Guiding::always}, {"never", Guiding::never}};
+  command
+      ->add_option("--guiding", a->options.guiding,
+                   "look for lamps through refracting surfaces: automatic, always, never; changes the noise alone")
+      ->transform(CLI::CheckedTransformer(guidings));
   command->add_option("--seed", a->options.seed, "of the random numbers")->capture_default_str();
   command->add_option("--threads", a->options.threads, "0: all")->check(CLI::NonNegativeNumber)->capture_default_str();
   command->add_flag("--resume", a->options.resume,

@@ -121,7 +121,10 @@ RenderResult render_scene(gpu::Context& context, const Scene& scene, const Plan&
                        plan.transport == Transport::report ? Exit::report : Exit::as_printed};
   for (const auto& body : bodies) {
     const Diffusion& d = *body->diffusion;
-    input.surfaces.push_back({static_cast<int>(body->object), {&d.surface(0), &d.surface(1)}, {&d.surface_gamma(0), &d.surface_gamma(1)}, body->domain.frame});
+    input.surfaces.push_back({static_cast<int>(body->object),
+                              {&d.surface(0), &d.surface(1)},
+                              {&d.surface_gamma(0), &d.surface_gamma(1)},
+                              body->domain.frame});
   }
   result.shaded = shading->shade(input);
   return result;

@@ -60,8 +60,10 @@ Diffusion::Diffusion(gpu::Context& context, const DiffusionPasses& solver_passes
       cut_count_(static_cast<int>(domain.summary.cut_cells) + 1),
       tiles_(tile_list(context, domain)),
       absorption_(packed_image(context, domain.frame.cells, medium.channels, 1, "absorption")),
-      surface_{surface_image(context, domain, "surface fluence, up"), surface_image(context, domain, "surface fluence, down")},
-      surface_gamma_{surface_image(context, domain, "surface Gamma_s, up"), surface_image(context, domain, "surface Gamma_s, down")},
+      surface_{surface_image(context, domain, "surface fluence, up"),
+               surface_image(context, domain, "surface fluence, down")},
+      surface_gamma_{surface_image(context, domain, "surface Gamma_s, up"),
+                     surface_image(context, domain, "surface Gamma_s, down")},
       facets_(context, cut_count_ * sizeof(FacetMedium), "facet medium"),
       conductances_(context, std::size_t(medium.channels) * cut_count_ * sizeof(float), "facet conductances"),
       scales_(context, medium.channels * sizeof(FluenceScale), "fluence scales", gpu::Memory::host),
@@ -108,8 +110,8 @@ void Diffusion::set_medium(const MediumSamples& medium) {
 }
 
 SurfacePush Diffusion::surface_push(int sides) const {
-  return {domain_.frame.cells,       cut_count_,     multigrid_.channels(), static_cast<float>(A_),
-          static_cast<float>(f_dt_), domain_.frame.h, sides};
+  return {domain_.frame.cells, cut_count_, multigrid_.channels(), static_cast<float>(A_), static_cast<float>(f_dt_),
+          domain_.frame.h,     sides};
 }
 
 void Diffusion::record_source(gpu::Commands& commands, const FacetLight& light, bool corrected) {
@@ -180,8 +182,8 @@ void Diffusion::record_surface(gpu::Commands& commands, const FacetLight& light)
 // Puts the units of fluence in place. True where the solution and the gradients of before are of use for this light.
 bool Diffusion::adopt_light(const FacetLight& light) {
   gpu::Commands commands(context_);
-  commands.dispatch(passes_.scale, {256 * multigrid_.channels(), 1, 1}, {{"gamma_s", light.gamma_s}, {"scales", scales_}},
-                    surface_push(light.sides));
+  commands.dispatch(passes_.scale, {256 * multigrid_.channels(), 1, 1},
+                    {{"gamma_s", light.gamma_s}, {"scales", scales_}}, surface_push(light.sides));
   commands.submit();
   const FluenceScale* scales = static_cast<const FluenceScale*>(scales_.mapped());
   return std::all_of(scales, scales + multigrid_.channels(),
@@ -222,7 +224,8 @@ EnergyBalance Diffusion::energy(const FacetLight& light) {
                      {"phi", pcg_.solution()}},
                     level);
   commands.dispatch(passes_.energy, {256 * multigrid_.channels(), 1, 1},
-                    {{"cut_index", domain_.cut_index}, {"cut_cells", domain_.cut_cells},
+                    {{"cut_index", domain_.cut_index},
+                     {"cut_cells", domain_.cut_cells},
                      {"gamma_s", light.gamma_s},
                      {"facets", facets_},
                      {"scales", scales_},

@@ -21,8 +21,9 @@ struct EnergyBalance {
   double imbalance() const;  // largest |in - absorbed - out| / in over the channels with light
 };
 
-/// Gamma_s on the facets, W/m^2: `sides` vec3 (one channel takes red) for every cut cell of the domain, entry 0 included,
-/// with the factor exp(-sigma_a/sigma_s') of facet_medium(); 2 where the sides of the surface (GpuCutCell::side) have their own.
+/// Gamma_s on the facets, W/m^2: `sides` vec3 (one channel takes red) for every cut cell of the domain, entry 0
+/// included, with the factor exp(-sigma_a/sigma_s') of facet_medium(); 2 where the sides of the surface
+/// (GpuCutCell::side) have their own.
 struct FacetLight {
   FacetLight(const gpu::Buffer& buffer, int entries = 1) : gamma_s(buffer), sides(entries) {}
   const gpu::Buffer& gamma_s;

@@ -12,8 +12,9 @@ class FacetSource {
  public:
   FacetSource(gpu::Context& context, const Domain& domain);
 
-  /// Gamma_s (report, Eq. 5) of each side of each cut cell into gamma_s(). `media` holds a FacetMedium (shared/diffusion.h) a cut
-  /// cell, `eta` is index inside / outside. The shadow maps of `lighting` must have been recorded before.
+  /// Gamma_s (report, Eq. 5) of each side of each cut cell into gamma_s(). `media` holds a FacetMedium
+  /// (shared/diffusion.h) a cut cell, `eta` is index inside / outside. The shadow maps of `lighting` must have been
+  /// recorded before.
   void record(gpu::Commands& commands, const Lighting& lighting, const gpu::Buffer& media, double eta) const;
 
   /// W/m^2, two vec3 an entry of Domain::cut_cells, one for each side of its surface.

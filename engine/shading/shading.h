@@ -14,12 +14,12 @@ enum class Exit { report, as_printed };  // radiance leaves with F_t / eta^2, or
 
 /// What the solver knows of one translucent object.
 struct TranslucentSurface {
-  int object = 0;                       // index in Scene::objects
-  // 3D rgba, sampled trilinearly, rgb in W/m^2, for the two sides of a thin part (domain/facet_class.glsl); the same image
-  // twice where that does not matter.
+  int object = 0;  // index in Scene::objects
+  // 3D rgba, sampled trilinearly, rgb in W/m^2, for the two sides of a thin part (domain/facet_class.glsl); the same
+  // image twice where that does not matter.
   const gpu::Image* fluence[2] = {nullptr, nullptr};  // phi on the surface
-  // Gamma_s of the cells' facets. Not of the pixel: phi knows no light finer than a cell, and a query that takes Gamma_s
-  // finer than phi came out farther from the path tracer on every grid tried (README, accuracy).
+  // Gamma_s of the cells' facets. Not of the pixel: phi knows no light finer than a cell, and a query that takes
+  // Gamma_s finer than phi came out farther from the path tracer on every grid tried (README, accuracy).
   const gpu::Image* gamma_s[2] = {nullptr, nullptr};
   GridFrame frame;  // of all; texel (i, j, k) is at origin + h (i + 0.5, ...)
 };

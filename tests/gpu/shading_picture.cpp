@@ -49,8 +49,12 @@ class ShadingPicture : public GpuTest {
   static glm::vec3 gamma_at(glm::vec3 p) { return {0.5f - 0.2f * p.y, 0.4f, 0.3f + 0.3f * p.z}; }
 
   ShadedPicture shade(const LitScene& lit, glm::ivec2 size, int samples) {
-    return Shading(context).shade(
-        {lit.scene, lit.meshes, lit.lighting, {{0, {&fluence, &fluence}, {&gamma_s, &gamma_s}, frame}}, camera, {size, samples}});
+    return Shading(context).shade({lit.scene,
+                                   lit.meshes,
+                                   lit.lighting,
+                                   {{0, {&fluence, &fluence}, {&gamma_s, &gamma_s}, frame}},
+                                   camera,
+                                   {size, samples}});
   }
 
   struct Truth {

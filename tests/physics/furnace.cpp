@@ -5,7 +5,6 @@
 #include <filesystem>
 
 #include "scene/off.h"
-
 #include "support/device.h"
 
 namespace alabaster {

@@ -36,13 +36,14 @@ class LightingFurnace : public GpuTest {
     gpu::upload(context, entering, std::vector<glm::vec4>{glm::vec4(gamma, 1)});
     Camera camera;
     camera.to_world = look_at({1.5, 2, 4}, {0, 0, 0});
-    const ShadedPicture shaded = Shading(context).shade({scene,
-                                                         lit.meshes,
-                                                         lit.lighting,
-                                                         {{0, {&phi, &phi}, {&entering, &entering}, {{1, 1, 1}, 1, {0, 0, 0}}}},
-                                                         camera,
-                                                         {{160, 120}, 4},
-                                                         exit});
+    const ShadedPicture shaded =
+        Shading(context).shade({scene,
+                                lit.meshes,
+                                lit.lighting,
+                                {{0, {&phi, &phi}, {&entering, &entering}, {{1, 1, 1}, 1, {0, 0, 0}}}},
+                                camera,
+                                {{160, 120}, 4},
+                                exit});
 
     Furnace furnace;
     for (int c = 0; c < 3; ++c) {
