@@ -1,5 +1,6 @@
 #include "process.h"
 
+#include <fcntl.h>
 #include <spawn.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
@@ -24,8 +25,13 @@ ProcessCost run_sibling(const std::string& program, const std::vector<std::strin
   argv.push_back(nullptr);
 
   const auto start = std::chrono::steady_clock::now();
+  posix_spawn_file_actions_t quiet;  // the benchmark's own table is what belongs on stdout
+  posix_spawn_file_actions_init(&quiet);
+  posix_spawn_file_actions_addopen(&quiet, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
   pid_t child = 0;
-  if (posix_spawn(&child, path.c_str(), nullptr, nullptr, argv.data(), environ) != 0)
+  const int refused = posix_spawn(&child, path.c_str(), &quiet, nullptr, argv.data(), environ);
+  posix_spawn_file_actions_destroy(&quiet);
+  if (refused != 0)
     throw UserError(path + " cannot be started; build it first");
   int status = 0;
   rusage usage{};
