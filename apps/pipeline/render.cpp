@@ -1,5 +1,6 @@
 #include "pipeline/render.h"
 
+#include <algorithm>
 #include <chrono>
 #include <memory>
 
@@ -43,6 +44,18 @@ void solve(gpu::Context& context, const Lighting& lighting, Body& body, double e
   const FacetLight light(body.source->gamma_s(), 2);
   report.solver = body.diffusion->solve(light);
   report.energy = body.diffusion->energy(light);
+}
+
+/// R, G, B become the sum of the wanted layers; the others' planes are emptied.
+void keep_components(const std::set<Component>& wanted, Picture& picture) {
+  for (Component component : {Component::multiple, Component::surface}) {
+    if (wanted.count(component)) continue;
+    for (const char* channel : {"R", "G", "B"}) {
+      std::vector<float>&layer = picture.plane(std::string(name_of(component)) + "." + channel), &sum = picture.plane(channel);
+      for (std::size_t i = 0; i < sum.size(); ++i) sum[i] -= layer[i];
+      std::fill(layer.begin(), layer.end(), 0.0f);
+    }
+  }
 }
 
 void report_on(const Object& object, const Body& body, int channels, RenderResult& result) {
@@ -127,6 +140,7 @@ RenderResult render_scene(gpu::Context& context, const Scene& scene, const Plan&
                               body->domain.frame});
   }
   result.shaded = shading->shade(input);
+  keep_components(plan.components, result.shaded.picture);
   return result;
 }
 

@@ -87,7 +87,7 @@ class Renderer {
   }
   void check_noise() {
     sums_.seconds = seconds_before_ + now() - start_;
-    if (sums_.samples % samples_between_checks == 0) noise_ = sums_.relative_error();
+    if (sums_.samples % samples_between_checks == 0) noise_ = sums_.relative_error(chosen_);
   }
 
   void render_pass(std::uint64_t samples) {
@@ -149,13 +149,12 @@ class Renderer {
   void write_first_surface(Picture& picture) const {
     std::vector<float>* normal[3] = {&picture.plane("N.X"), &picture.plane("N.Y"), &picture.plane("N.Z")};
     std::vector<float>& depth = picture.plane("Z");
-    const glm::vec3 axis = -glm::normalize(glm::vec3(camera_.to_world[2]));
     for (std::size_t pixel = 0; pixel < sums_.pixels.size(); ++pixel) {
       const glm::vec3 direction = ray_through(pixel, 0.5f, 0.5f);
       Hit hit;
       if (!world_.next_surface(eye_, direction, INFINITY, camera_inside_, {}, hit)) continue;
       for (int c = 0; c < 3; ++c) (*normal[c])[pixel] = hit.normal[c];
-      depth[pixel] = hit.distance * glm::dot(direction, axis);
+      depth[pixel] = hit.distance;
     }
   }
 
@@ -174,7 +173,7 @@ class Renderer {
                           {"eventsPerSample", static_cast<double>(sums_.events) / std::max(1.0, paths)},
                           {"cappedPaths", static_cast<double>(sums_.capped)},
                           {"leakedPaths", static_cast<double>(sums_.leaks)},
-                          {"noise", sums_.relative_error()}};
+                          {"noise", sums_.relative_error(chosen_)}};
     return picture;
   }
 

@@ -47,7 +47,7 @@ struct ReferenceOptions {
 /// multiple.*, single.*, surface.* (see Layer in paths.h for what is booked where), variance.R/G/B and
 /// variance.subsurface.* (variance of the pixel mean of the sum and of the sum less surface, (W/m^2/sr)^2), object.Y
 /// (share of the samples whose first hit is translucent), and of the ray through the pixel's centre N.* (outward normal
-/// of the first surface, world space) and Z (its depth along the camera's axis, m; 0 where nothing is hit). Attributes:
+/// of the first surface, world space) and Z (its distance from the eye, m; 0 where nothing is hit). Attributes:
 /// samplesPerPixel, seed, camera, scene, sceneFingerprint, seconds, threads, eventsPerSample, cappedPaths and
 /// leakedPaths (how many; paths.h), noise. The result depends on the scene, the size, the seed and the number of
 /// samples alone: not on threads, interruptions or their place. Throws UserError (no such camera, a state file of

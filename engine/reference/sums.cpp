@@ -57,13 +57,16 @@ void PixelSums::add(const PathSample& sample, const std::array<bool, layer_count
   on_object += sample.on_object;
 }
 
-double Sums::relative_error() const {
+double Sums::relative_error(const std::array<bool, layer_count>& chosen) const {
   const double n = static_cast<double>(samples);
   if (n < 2) return 0;
   double variance[2] = {0, 0}, mean[2] = {0, 0};  // over all pixels, over the object's
   for (const PixelSums& p : pixels)
     for (std::size_t c = 0; c < 3; ++c) {
-      const double sum = p.layers[c] + p.layers[3 + c] + p.layers[6 + c], v = variance_of_mean(sum, p.square[c], n);
+      double sum = 0;
+      for (std::size_t layer = 0; layer < layer_count; ++layer)
+        if (chosen[layer]) sum += p.layers[3 * layer + c];
+      const double v = variance_of_mean(sum, p.square[c], n);
       for (std::size_t where = 0; where < 2; ++where) {
         if (where == 1 && p.on_object < n) continue;
         variance[where] += v;

@@ -30,8 +30,8 @@ struct Sums {
   std::vector<PixelSums> pixels;
 
   /// sqrt(mean variance) / mean over the pixels that are wholly on a translucent object (all, where none is); the
-  /// variance is that of the pixel mean. 0 before there are two samples.
-  double relative_error() const;
+  /// variance is that of the pixel mean, both of the chosen layers alone. 0 before there are two samples.
+  double relative_error(const std::array<bool, layer_count>& chosen) const;
   void write_layers(Picture& picture, const std::array<bool, layer_count>& chosen) const;
 
   void save(const std::string& path) const;

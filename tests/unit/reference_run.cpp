@@ -86,6 +86,22 @@ TEST(ReferenceRun, ComponentsCanBeChosen) {
   EXPECT_FALSE(multiple.has("surface.R"));
 }
 
+// The noise that is reported (and that --noise stops at) is that of the chosen layers, not of all.
+TEST(ReferenceRun, NoiseIsThatOfTheChosenComponents) {
+  ReferenceOptions options = small_options();
+  options.surface = options.multiple = false;
+  const Picture p = render_reference(small_scene(), options);
+  double variance = 0, mean = 0, count = 0;
+  for (const char* channel : {"R", "G", "B"})
+    for (std::size_t i = 0; i < p.channels.at("object.Y").size(); ++i) {
+      if (p.channels.at("object.Y")[i] < 1) continue;
+      variance += p.channels.at(std::string("variance.") + channel)[i];
+      mean += p.channels.at(channel)[i];
+      ++count;
+    }
+  EXPECT_NEAR(std::get<double>(p.attributes.at("noise")), std::sqrt(variance * count) / mean, 1e-4 * std::sqrt(variance * count) / mean);
+}
+
 TEST(ReferenceRun, ThreadsDoNotChangeABit) {
   ReferenceOptions options = small_options();
   options.threads = 1;
