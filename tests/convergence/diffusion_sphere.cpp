@@ -35,20 +35,23 @@ SurfaceError sphere_error(gpu::Context& context, const Sphere& sphere, int n, in
 // Required: 0.5% at 64^3 and first order. The corrected scheme is second order; 128^3 takes too long here (0.0095%).
 TEST_F(DiffusionConvergence, SphereIsSecondOrderAtTheSurface) {
   double last = 0;
-  for (int n : {16, 32, 64}) {
+  for (int n : {16, 32, 64, 128}) {
     const SurfaceError e = sphere_error(context, {}, n, 2);
     printf("sphere %3d: L2 %.4f%% bias %+.4f%% worst %.3f%%\n", n, 100 * e.l2, 100 * e.bias, 100 * e.worst);
     if (last > 0) {
-      EXPECT_GT(std::log2(last / e.l2), 1.7);
+      // At 128^3 the error is 1e-4, and something else than the cells' size begins to show.
+      EXPECT_GT(std::log2(last / e.l2), n < 128 ? 1.7 : 1.0);
+    }
+    if (n == 64) {
+      EXPECT_LT(e.l2, 0.0005);
     }
     last = e.l2;
   }
-  EXPECT_LT(last, 0.0005);
 }
 
 TEST_F(DiffusionConvergence, SphereIsFirstOrderWithoutCorrection) {
   double last = 0;
-  for (int n : {16, 32, 64}) {
+  for (int n : {16, 32, 64, 128}) {
     const SurfaceError e = sphere_error(context, {}, n, 0);
     printf("sphere, uncorrected %3d: L2 %.4f%%\n", n, 100 * e.l2);
     if (last > 0) {
@@ -56,7 +59,7 @@ TEST_F(DiffusionConvergence, SphereIsFirstOrderWithoutCorrection) {
     }
     last = e.l2;
   }
-  EXPECT_LT(last, 0.005);
+  EXPECT_LT(last, 0.0025);
 }
 
 TEST_F(DiffusionConvergence, AnOpaqueSphereGivesBackItsLight) {
