@@ -11,6 +11,7 @@ namespace alabaster {
 DiffusionPasses::DiffusionPasses(gpu::Context& c)
     : diagonals{{c, "diffusion/diagonals.comp", {0}}, {c, "diffusion/diagonals.comp", {1}}},
       weights{{c, "diffusion/weights.comp", {0}}, {c, "diffusion/weights.comp", {1}}},
+      deficits{{c, "diffusion/deficits.comp", {0}}, {c, "diffusion/deficits.comp", {1}}},
       galerkin{{c, "diffusion/galerkin.comp", {0}}, {c, "diffusion/galerkin.comp", {1}}},
       smooth{{c, "diffusion/smooth.comp", {0, 0}}, {c, "diffusion/smooth.comp", {1, 0}}},
       smooth_dot{c, "diffusion/smooth.comp", {1, 1}},
@@ -83,21 +84,53 @@ void Multigrid::set_up() {
                       {{"tiles", tiles_.packed},
                        {"stencil", level.stencil},
                        {"inverse_l1", level.inverse_l1},
-                       {"diagonal", level.spare}},
+                       {"diagonal", level.spare},
+                       {"row_sum", level.b}},
                       push(l));
     if (l + 1 == levels_.size()) break;
     const glm::ivec3 n = levels_[l + 1].cells;
     commands.dispatch(passes_.weights[finest], {n.x, n.y, n.z * channels_},
                       {{"stencil", level.stencil}, {"diagonal", level.spare}, {"weights", level.weights}}, push(l));
+    record_row_sums(commands, l);
     commands.dispatch(passes_.galerkin[finest], {n.x, n.y, n.z * channels_ * DIFFUSION_COARSE_ENTRIES},
                       {{"stencil", level.stencil},
                        {"diagonal", level.spare},
                        {"weights", level.weights},
+                       {"row_sums", levels_[l + 1].b},
                        {"coarse_stencil", levels_[l + 1].stencil}},
                       push(l));
   }
   commands.submit();
   invert_coarsest();
+}
+
+// The row sums of the next coarser operator, P^T (A 1 - A v) with v = 1 - P 1, into its b; level.b holds A 1.
+void Multigrid::record_row_sums(gpu::Commands& commands, std::size_t l) {
+  const bool finest = l == 0;
+  MultigridLevel &level = levels_[l], &coarse = levels_[l + 1];
+  const gpu::Image *v = &level.x, *next = &level.r;
+  commands.clear(level.x);
+  for (int odd = 0; odd <= 3; ++odd) {
+    commands.dispatch(passes_.deficits[finest], threads(l),
+                      {{"tiles", tiles_.packed},
+                       {"stencil", level.stencil},
+                       {"diagonal", level.spare},
+                       {"before", *v},
+                       {"after", *next}},
+                      push(l));
+    std::swap(v, next);
+  }
+  commands.dispatch(
+      passes_.residual[finest], threads(l),
+      {{"tiles", tiles_.packed}, {"stencil", level.stencil}, {"x", *v}, {"b", level.b}, {"residual", *next}}, push(l));
+  commands.dispatch(passes_.restrict_residual, threads(l + 1),
+                    {{"tiles", tiles_.packed},
+                     {"residual", *next},
+                     {"weights", level.weights},
+                     {"inverse_l1", coarse.inverse_l1},
+                     {"b", coarse.b},
+                     {"x", coarse.x}},
+                    push(l));
 }
 
 // The coarsest operator is tiny: its inverse is made in double precision on the CPU. Single precision made the
@@ -116,11 +149,15 @@ void Multigrid::invert_coarsest() {
     std::vector<double> dense(std::size_t(cells) * cells, 0.0);
     for (int row = 0; row < cells; ++row) {
       const glm::ivec3 c{row % padded.x, row / padded.x % n.y, row / (padded.x * n.y)};
-      for (int k = 0; k <= DIFFUSION_DIAGONAL; ++k) {
+      dense[std::size_t(row) * (cells + 1)] += entry(c, DIFFUSION_ROW_SUM, channel);
+      for (int k = 0; k < DIFFUSION_ROW_SUM; ++k) {
         const glm::ivec3 d{k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1}, other = c + d;
         if (glm::any(glm::lessThan(other, glm::ivec3(0))) || glm::any(glm::greaterThanEqual(other, padded))) continue;
         const int column = other.x + padded.x * (other.y + n.y * other.z);
-        dense[std::size_t(row) * cells + column] = dense[std::size_t(column) * cells + row] = entry(c, k, channel);
+        const double coupling = entry(c, k, channel);
+        dense[std::size_t(row) * cells + column] = dense[std::size_t(column) * cells + row] = coupling;
+        dense[std::size_t(row) * (cells + 1)] -= coupling;
+        dense[std::size_t(column) * (cells + 1)] -= coupling;
       }
     }
     for (double v : invert_spd(std::move(dense), cells, 1e-6)) inverse.push_back(static_cast<float>(v));

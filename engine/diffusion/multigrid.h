@@ -13,7 +13,7 @@ namespace alabaster {
 /// The solver's pipelines, made once a context.
 struct DiffusionPasses {
   explicit DiffusionPasses(gpu::Context& context);
-  gpu::Pass diagonals[2], weights[2], galerkin[2];  // [finest]
+  gpu::Pass diagonals[2], weights[2], deficits[2], galerkin[2];  // [finest]
   gpu::Pass smooth[2], smooth_dot, residual[2], restrict_residual, prolong[2], direct;
   gpu::Pass apply_dot, norm, update, start, direction, reduce;
 };
@@ -68,6 +68,7 @@ class Multigrid {
   void record_smooth(gpu::Commands& commands, std::size_t l, const gpu::Pass& pass, float omega, const gpu::Image& from,
                      const gpu::Image& to, const gpu::Buffer& partials);
   LevelPush push(std::size_t l, float omega = 0) const;
+  void record_row_sums(gpu::Commands& commands, std::size_t l);
   void invert_coarsest();
 
   gpu::Context& context_;

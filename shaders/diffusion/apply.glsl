@@ -15,20 +15,22 @@ vec4 apply_finest(ivec3 t) {
 }
 
 vec4 apply_coarse(ivec3 t) {
-  vec4 y = vec4(0);
+  vec4 centre = imageLoad(x, t), y = coefficient(DIFFUSION_ROW_SUM, t) * centre;
   for (int row = 0; row < 9; ++row) {
     ivec3 s = t + ivec3(0, row % 3 - 1, row / 3 - 1);
     vec4 own = imageLoad(x, s);
-    vec4 left = shifted_left(imageLoad(x, s - step_x), own), right = shifted_right(own, imageLoad(x, s + step_x));
+    vec4 left = shifted_left(imageLoad(x, s - step_x), own) - centre;
+    vec4 right = shifted_right(own, imageLoad(x, s + step_x)) - centre;
+    own -= centre;
     int k = 3 * row;
     if (row < 4) {
       y += coefficient(k, t) * left + coefficient(k + 1, t) * own + coefficient(k + 2, t) * right;
     } else if (row == 4) {
       vec4 low = coefficient(k, t);
-      y += low * left + coefficient(k + 1, t) * own + shifted_right(low, coefficient(k, t + step_x)) * right;
+      y += low * left + shifted_right(low, coefficient_right(k, t)) * right;
     } else {
-      vec4 to_left = shifted_left(coefficient(26 - k, s - step_x), coefficient(26 - k, s));
-      vec4 to_right = shifted_right(coefficient(24 - k, s), coefficient(24 - k, s + step_x));
+      vec4 to_left = shifted_left(coefficient_left(26 - k, s), coefficient(26 - k, s));
+      vec4 to_right = shifted_right(coefficient(24 - k, s), coefficient_right(24 - k, s));
       y += to_left * left + coefficient(25 - k, s) * own + to_right * right;
     }
   }

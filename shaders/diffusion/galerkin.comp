@@ -1,9 +1,11 @@
-// The coarse operator P^T A P, one entry k of one coarse cell an invocation; workgroup z = slice * 14 + k.
+// The coarse operator P^T A P, one entry k of one coarse cell an invocation; workgroup z = slice * 14 + k. The sums of
+// its rows are made apart (deficits.comp) and taken over.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "diffusion/setup.glsl"
 layout(binding = 6, rgba32f) uniform writeonly image3D coarse_stencil;
 layout(binding = 7, rgba32f) uniform readonly image3D weights;
+layout(binding = 8, rgba32f) uniform readonly image3D row_sums;  // of the coarse operator
 shared float results[group_cells];
 
 float weight(int k, ivec3 coarse_cell) {
@@ -18,7 +20,7 @@ float share(ivec3 e, ivec3 D, ivec3 coarse, ivec3 other, ivec3 base, bool active
     for (int y = low.y; y <= high.y; ++y)
       for (int x = low.x; x <= high.x; ++x) {
         ivec3 d = ivec3(x, y, z);
-        float a = finest != 0 && e == ivec3(0) ? fine_diagonal(base + d) : coupling(base + d, e);
+        float a = e == ivec3(0) ? fine_diagonal(base + d) : coupling(base + d, e);
         sum += weight(entry(d), coarse) * a * weight(entry(d + e - 2 * D), other);
       }
   return sum;
@@ -31,7 +33,7 @@ void main() {
   ivec3 coarse = ivec3(I.xy, slice), other = coarse + D, base = 2 * I + ivec3(0, 0, channel * push.cells.z);
   float any_weight = 0;
   for (int m = 0; m < DIFFUSION_WEIGHTS; ++m) any_weight += abs(weight(m, coarse));
-  bool active_ = any_weight > 0 && in_grid(I, push.coarse_cells) && in_grid(I + D, push.coarse_cells);
+  bool active_ = k != DIFFUSION_ROW_SUM && any_weight > 0 && in_grid(I, push.coarse_cells) && in_grid(I + D, push.coarse_cells);
   float sum = 0;
   if (finest != 0) {
     for (int n = 0; n < 7; ++n) {
@@ -48,5 +50,6 @@ void main() {
   uint l = gl_LocalInvocationIndex;
   ivec3 texel = ivec3(gl_WorkGroupID.x * 4 + (l & 3), gl_WorkGroupID.y * 4 + (l >> 2 & 3), slice);
   if (l >= 16 || texel.x >= nx4) return;
-  imageStore(coarse_stencil, texel + ivec3(k * nx4, 0, 0), vec4(results[4 * l], results[4 * l + 1], results[4 * l + 2], results[4 * l + 3]));
+  vec4 entries = vec4(results[4 * l], results[4 * l + 1], results[4 * l + 2], results[4 * l + 3]);
+  imageStore(coarse_stencil, texel + ivec3(k * nx4, 0, 0), k == DIFFUSION_ROW_SUM ? imageLoad(row_sums, texel) : entries);
 }

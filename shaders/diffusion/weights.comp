@@ -1,27 +1,26 @@
 // Operator-dependent interpolation (Dendy 1982, black-box multigrid; three dimensions). A fine point with odd coordinates
 // along some axes interpolates, by its own equation, from its neighbours with fewer odd coordinates within the span of
-// those axes; along the other axes the stencil is collapsed, as if the solution were constant there. Points on no such
-// neighbour (sheets and needles at odd index) stand for their own block: weight 1.
+// those axes; along the other axes the stencil is collapsed, as if the solution were constant there: its centre is then
+// the row's sum and the couplings to those neighbours, which cancels nothing. Points on no such neighbour (sheets and
+// needles at odd index) stand for their own block: weight 1. deficits.comp follows the same rules.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "diffusion/setup.glsl"
 layout(binding = 6, rgba32f) uniform writeonly image3D weights;
 
-const float connected = 1e-7;  // of the diagonal: couplings below are none
 // Points before those that interpolate from them: the coarse point, lines, planes, cubes.
 const int order[DIFFUSION_WEIGHTS] = {13, 12, 14, 10, 16, 4,  22, 9, 11, 15, 17, 1,  7,  19,
                                       25, 3,  5,  21, 23, 0,  2,  6, 8,  18, 20, 24, 26};
 shared float w[DIFFUSION_WEIGHTS * group_cells];
 
 struct Row {
-  float centre, lower, here;
+  float lower, here;
 };
 
 // Adds the coupling c to the point reached by e, as a part of the equation of point d.
 void add(inout Row row, float c, ivec3 d, ivec3 e) {
   ivec3 within = e * abs(d), from = d + within;
   bool stays = within == ivec3(0), known = !stays && all(lessThanEqual(abs(from), ivec3(1)));
-  row.centre += stays ? c : 0;
   row.lower -= stays ? 0 : c;
   row.here -= known ? c * w[entry(known ? from : ivec3(0)) * group_cells + gl_LocalInvocationIndex] : 0;
 }
@@ -29,22 +28,21 @@ void add(inout Row row, float c, ivec3 d, ivec3 e) {
 float weight_of(ivec3 I, int channel, int k) {
   ivec3 d = offset(k), cell = 2 * I + d, i = cell + ivec3(0, 0, channel * push.cells.z);
   float own = in_grid(cell, push.cells) ? fine_diagonal(i) : 0;
-  Row row = Row(0, 0, 0);
+  Row row = Row(0, 0);
   if (finest != 0) {
-    // Couplings across the span of d cancel in the collapsed diagonal but for the reaction.
     for (int n = 0; n < 6; ++n) {
       ivec3 e = ivec3(0);
       e[n >> 1] = 2 * (n & 1) - 1;
       float c = e * d == ivec3(0) ? 0 : coupling(i, e);
       add(row, c, d, e);
     }
-    row.centre = fine_entry(DIFFUSION_REACTION, i) + row.lower;
   } else {
     for (int n = 0; n < 27; ++n) add(row, coupling(i, offset(n)), d, offset(n));
   }
-  bool orphan = row.lower <= connected * own || row.centre <= 0;
+  float centre = fine_entry(own_entry, i) + row.lower;
+  bool orphan = row.lower <= DIFFUSION_CONNECTED * own || centre <= 0;
   bool own_block = all(greaterThanEqual(d, ivec3(0)));
-  return own <= 0 ? 0 : orphan ? (own_block ? 1 : 0) : row.here / row.centre;
+  return own <= 0 ? 0 : orphan ? (own_block ? 1 : 0) : row.here / centre;
 }
 
 void main() {

@@ -16,10 +16,13 @@
 #define DIFFUSION_REACTION 3
 #define DIFFUSION_FINEST_ENTRIES 4
 // Entries of a coarse stencil: A(i, i + offset(k)), k = 0..13, offset(k) = (k % 3, k / 3 % 3, k / 9) - 1; the other
-// thirteen are these by symmetry.
-#define DIFFUSION_DIAGONAL 13
+// thirteen are these by symmetry. Entry 13 is the row's sum, not its diagonal: where strong couplings meet weak ones the
+// sum is what a diagonal in single precision has lost. (A x)_i = sum_i x_i + sum_j a_ij (x_j - x_i), as on the finest.
+#define DIFFUSION_ROW_SUM 13
 #define DIFFUSION_COARSE_ENTRIES 14
 #define DIFFUSION_WEIGHTS 27
+// Of the diagonal: couplings below this are none to interpolate by.
+#define DIFFUSION_CONNECTED 1e-7
 
 // Dot products: each subgroup of a tile leaves one partial sum; tiles have room for this many (subgroups of 8 or more).
 #define DIFFUSION_PARTIALS 16
