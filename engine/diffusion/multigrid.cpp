@@ -48,7 +48,7 @@ Multigrid::Multigrid(gpu::Context& context, const DiffusionPasses& passes, glm::
                      const TileList& tiles, const MultigridOptions& options)
     : context_(context), passes_(passes), channels_(channels), tiles_(tiles), omegas_(chebyshev_omegas(options)) {
   for (bool last = false; !last; cells = (cells + 1) / 2) {
-    last = cells.x * cells.y * cells.z <= options.direct_cells;
+    last = !levels_.empty() && cells.x * cells.y * cells.z <= options.direct_cells;
     MultigridLevel level;
     level.cells = cells;
     const int entries = levels_.empty() ? DIFFUSION_FINEST_ENTRIES : DIFFUSION_COARSE_ENTRIES;

@@ -21,7 +21,7 @@ struct DiffusionPasses {
 struct MultigridOptions {
   int sweeps = 2;          // Chebyshev smoothing steps before and after the coarse correction
   double lowest = 0.15;    // they damp the part [lowest, 1] of the l1-scaled spectrum
-  int direct_cells = 128;  // a level of at most this many cells is solved directly
+  int direct_cells = 512;  // the first coarse level of at most this many is solved directly
 };
 
 /// Factors of x += omega D^-1 (b - A x) that make `sweeps` such steps the Chebyshev smoother of [lowest, 1].

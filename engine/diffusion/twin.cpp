@@ -164,7 +164,7 @@ Multigrid::Multigrid(Operator finest, CycleOptions options)
   levels_.push_back({std::move(finest), {}, {}, {}, {}});
   while (true) {
     glm::ivec3 n = levels_.back().a.grid.n;
-    if (n.x * n.y * n.z <= options.direct_cells) break;
+    if (!interpolations_.empty() && n.x * n.y * n.z <= options.direct_cells) break;
     interpolations_.emplace_back(levels_.back().a);
     levels_.push_back({interpolations_.back().galerkin(levels_.back().a), {}, {}, {}, {}});
   }

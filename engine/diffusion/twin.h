@@ -69,7 +69,7 @@ struct Level {
 struct CycleOptions {
   int sweeps = 2;          // smoothing steps before and after
   double lowest = 0.15;    // Chebyshev steps damp the part [lowest, 1] of the l1-scaled spectrum
-  int direct_cells = 128;  // coarsest level: at most this many cells, solved directly
+  int direct_cells = 512;  // coarsest level: the first below the finest of at most this many, solved directly
 };
 
 /// Symmetric V-cycle: a preconditioner for conjugate gradients.

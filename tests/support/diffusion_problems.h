@@ -20,6 +20,21 @@ inline twin::MaterialField checker(double kappa, double contrast, double block, 
   };
 }
 
+/// kappa that alternates between `kappa` and kappa / contrast in layers of 1/8 m along z.
+inline twin::MaterialField sharp_layers(double kappa, double contrast) {
+  return [=](glm::dvec3 p) {
+    return twin::Material{static_cast<int>(std::floor(8 * p.z)) & 1 ? kappa : kappa / contrast, 0};
+  };
+}
+
+/// kappa whose logarithm wanders smoothly between that of `kappa` and of kappa / contrast.
+inline twin::MaterialField log_smooth(double kappa, double contrast) {
+  return [=](glm::dvec3 p) {
+    const double s = std::sin(19 * p.x + 3 * p.y + 1) * std::sin(23 * p.y - 4 * p.z) * std::sin(17 * p.z + 5 * p.x + 2);
+    return twin::Material{kappa * std::pow(contrast, 0.5 * (s - 1)), 0};
+  };
+}
+
 inline std::vector<float> pack(const std::vector<const twin::Vector*>& entries, const twin::Lattice& grid) {
   const int nx = (grid.n.x + 3) / 4 * 4, count = static_cast<int>(entries.size());
   std::vector<float> packed(std::size_t(nx) * count * grid.n.y * grid.n.z, 0.f);
