@@ -1,0 +1,371 @@
+// The passes between the linear solver and the surface, each alone against its double-precision twin on random inputs:
+// scale, gradient, facets with source, surface, absorbed with energy. The box is tilted and thin, so slivers, cells
+// without neighbours along an axis and bent facets all occur.
+#include <random>
+
+#include "support/diffusion_device.h"
+
+namespace alabaster {
+namespace {
+
+struct Largest {  // difference and value seen
+  double apart = 0, value = 0;
+  void add(double got, double expected) {
+    apart = std::max(apart, std::isfinite(got) ? std::abs(got - expected) : INFINITY);
+    value = std::max(value, std::abs(expected));
+  }
+};
+
+class GpuDiffusionSurface : public GpuTest {
+ protected:
+  explicit GpuDiffusionSurface(int channel_count = 3) : channels(channel_count) {
+    std::uniform_real_distribution<float> uniform(0, 1);
+    for (glm::vec3& g : gamma) g = {uniform(engine), uniform(engine), uniform(engine) < 0.5f ? 0 : uniform(engine)};
+    phi.assign(volume.size() * channels, 0.f);
+    for (std::size_t i = 0; i < phi.size(); ++i)
+      if (volume[i % volume.size()] > 0) phi[i] = 0.1f + uniform(engine);
+    for (int c = 0; c < channels; ++c) scales.push_back({std::ldexp(1.f, 3 * c - 2), 1});
+    gpu::upload(context, body.diffusion().pcg().solution(), phi);
+    scale_buffer = gpu::make_buffer(context, scales, "scales");
+    gamma_buffer = gpu::make_buffer(context, gamma, "gamma_s");
+  }
+
+  SurfacePush push() const {
+    return {n,
+            static_cast<int>(cut.size()),
+            channels,
+            static_cast<float>(A),
+            static_cast<float>(body.f_dt()),
+            static_cast<float>(h)};
+  }
+  bool inside(glm::ivec3 c) const { return glm::all(glm::lessThan(glm::uvec3(c), glm::uvec3(n))); }
+  std::size_t at(glm::ivec3 c) const { return c.x + std::size_t(n.x) * (c.y + std::size_t(n.y) * c.z); }
+  double size(glm::ivec3 c) const { return inside(c) ? volume[at(c)] : 0; }
+  std::uint32_t index(glm::ivec3 c) const { return inside(c) ? indices[at(c)] : 0; }
+  glm::dvec3 centre(glm::ivec3 c) const { return glm::dvec3(cut[index(c)].centre); }
+  double fluence(glm::ivec3 c, int channel) const {
+    return inside(c) ? double(phi[channel * volume.size() + at(c)]) * scales[channel].unit : 0;
+  }
+  double q(std::size_t i, int channel) const { return dsbc_source(double(gamma[i][channel]), body.f_dt()); }
+  std::vector<glm::vec4> random_gradients() {
+    std::uniform_real_distribution<float> uniform(-1, 1);
+    std::vector<glm::vec4> g(cut.size() * channels);
+    for (glm::vec4& v : g) v = {uniform(engine), uniform(engine), uniform(engine), 2 * uniform(engine)};
+    return g;
+  }
+  template <typename T>
+  gpu::Buffer results(std::size_t count) {
+    return gpu::make_buffer(context, std::vector<T>(count), "results");
+  }
+  template <typename F>
+  void for_cells(F f) const {
+    for (int z = 0; z < n.z; ++z)
+      for (int y = 0; y < n.y; ++y)
+        for (int x = 0; x < n.x; ++x) f(glm::ivec3(x, y, z));
+  }
+
+  void check_surface();
+
+  static MediumPoint medium(glm::dvec3 p) {
+    return {(p.x > 0.1 ? 20.0 : 300.0) * glm::dvec3(1, 2, 3), glm::dvec3(0.1, 0.5, 2)};
+  }
+
+  int channels;
+  Mesh mesh = transformed(box({1, 0.07f, 0.6f}, 4), rotation({1, 2, 3}, 31));
+  Body body{context, mesh, 28, medium, channels};
+  FluencePasses passes{context};
+  const Domain& domain = body.domain();
+  glm::ivec3 n = domain.frame.cells;
+  double h = domain.frame.h, A = body.diffusion().A();
+  std::vector<float> volume = gpu::download<float>(context, domain.volume);
+  std::vector<std::uint32_t> indices = gpu::download<std::uint32_t>(context, domain.cut_index);
+  std::vector<GpuCutCell> cut = body.cut_cells();
+  std::vector<FacetMedium> facets = gpu::download<FacetMedium>(context, body.diffusion().facet_medium());
+  std::mt19937 engine{5};
+  std::vector<glm::vec3> gamma = std::vector<glm::vec3>(cut.size());
+  std::vector<float> phi;
+  std::vector<FluenceScale> scales;
+  gpu::Buffer scale_buffer, gamma_buffer;
+};
+
+void GpuDiffusionSurface::check_surface() {
+  const std::vector<glm::vec4> gradient = random_gradients();
+  const gpu::Buffer gradients = gpu::make_buffer(context, gradient, "gradients");
+  const gpu::Image surface = gpu::image3d(context, n, VK_FORMAT_R32G32B32A32_SFLOAT, "surface"),
+                   surface_gamma = gpu::image3d(context, n, VK_FORMAT_R32G32B32A32_SFLOAT, "surface gamma");
+  gpu::Commands commands(context);
+  commands.dispatch(passes.surface, {n.x / 4, n.y, n.z},
+                    {{"cut_index", domain.cut_index},
+                     {"cut_cells", domain.cut_cells},
+                     {"scales", scale_buffer},
+                     {"gradients", gradients},
+                     {"volume", domain.volume},
+                     {"phi", body.diffusion().pcg().solution()},
+                     {"surface", surface},
+                     {"gamma_s", gamma_buffer},
+                     {"surface_gamma", surface_gamma}},
+                    push());
+  commands.submit();
+  const std::vector<float> got = gpu::download<float>(context, surface),
+                           got_gamma = gpu::download<float>(context, surface_gamma);
+  std::size_t kinds[4] = {0};  // whole, cut, taken from neighbours, far outside
+  Largest fluence_seen, gamma_seen;
+  for_cells([&](glm::ivec3 cell) {
+    for (int rgb = 0; rgb < 3; ++rgb) {
+      const int c = std::min(rgb, channels - 1);
+      const auto carried = [&](std::uint32_t i, glm::dvec3 point) {
+        const glm::dvec4 g(gradient[c * cut.size() + i]);
+        return g.w + glm::dot(glm::dvec3(g), point - glm::dvec3(cut[i].centre));
+      };
+      const std::uint32_t own = index(cell);
+      double weights = 0, sum = 0, area = 0, light = 0;
+      for (int k = 0; k < 27; ++k) {
+        const glm::ivec3 d(k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1);
+        const std::uint32_t i = index(cell + d);
+        if (i == 0) continue;
+        const glm::dvec3 centre_here = glm::dvec3(0.5) - glm::dvec3(d), apart = centre_here - glm::dvec3(cut[i].centre);
+        weights += cut[i].volume / glm::dot(apart, apart);
+        sum += cut[i].volume / glm::dot(apart, apart) * carried(i, centre_here);
+        area += cut[i].facet.area;
+        light += double(cut[i].facet.area) * gamma[i][c];
+      }
+      double value = 0, gamma_here = own != 0 ? gamma[own][c] : area > 0 ? light / area : 0;
+      int kind = 3;
+      if (own == 0 && size(cell) > 0) {
+        value = fluence(cell, c), kind = 0;
+      } else if (own != 0 && size(cell) >= 0.05f) {
+        value = carried(own, glm::dvec3(0.5)), kind = 1;
+      } else if (weights > 0) {
+        value = sum / weights, kind = 2;
+      }
+      ++kinds[kind];
+      fluence_seen.add(got[4 * at(cell) + rgb], std::max(value, 0.0));
+      gamma_seen.add(got_gamma[4 * at(cell) + rgb], gamma_here);
+    }
+    fluence_seen.add(got[4 * at(cell) + 3], 1);
+  });
+  for (std::size_t kind : kinds) EXPECT_GT(kind, 100u);
+  EXPECT_LT(fluence_seen.apart, 1e-5 * fluence_seen.value);
+  EXPECT_LT(gamma_seen.apart, 1e-5 * gamma_seen.value);
+}
+
+class GpuDiffusionSurfaceGrey : public GpuDiffusionSurface {
+ protected:
+  GpuDiffusionSurfaceGrey() : GpuDiffusionSurface(1) {}
+};
+
+TEST_F(GpuDiffusionSurface, ScaleIsThePowerOfTwoAboveTheLargestSource) {
+  for (glm::vec3& g : gamma) g.z = 0;
+  const gpu::Buffer light = gpu::make_buffer(context, gamma, "gamma_s");
+  gpu::Commands commands(context);
+  commands.dispatch(passes.scale, {256 * channels, 1, 1}, {{"gamma_s", light}, {"scales", scale_buffer}}, push());
+  commands.submit();
+  const std::vector<FluenceScale> got = gpu::download<FluenceScale>(context, scale_buffer);
+  for (int c = 0; c < 2; ++c) {
+    double largest = 0;
+    for (std::size_t i = 1; i < cut.size(); ++i) largest = std::max(largest, q(i, c));
+    EXPECT_GT(got[c].unit, largest);
+    EXPECT_LE(got[c].unit, 2 * largest);
+    EXPECT_EQ(std::exp2(std::round(std::log2(got[c].unit))), got[c].unit);
+    EXPECT_EQ(got[c].ratio, scales[c].unit / got[c].unit);
+  }
+  EXPECT_EQ(got[2].unit, 0);
+  EXPECT_EQ(got[2].ratio, 0);
+}
+
+TEST_F(GpuDiffusionSurface, GradientEqualsTwin) {
+  const gpu::Buffer gradients = results<glm::vec4>(cut.size() * channels);
+  gpu::Commands commands(context);
+  commands.dispatch(passes.gradient, {cut.size(), channels, 1},
+                    {{"cut_index", domain.cut_index},
+                     {"cut_cells", domain.cut_cells},
+                     {"gamma_s", gamma_buffer},
+                     {"facets", body.diffusion().facet_medium()},
+                     {"scales", scale_buffer},
+                     {"volume", domain.volume},
+                     {"phi", body.diffusion().pcg().solution()},
+                     {"gradients", gradients}},
+                    push());
+  commands.submit();
+  const std::vector<glm::vec4> got = gpu::download<glm::vec4>(context, gradients);
+  std::size_t slivers = 0;
+  for (int c = 0; c < channels; ++c) {
+    Largest slope, value;
+    for (std::size_t i = 1; i < cut.size(); ++i) {
+      const glm::ivec3 cell = cut[i].cell;
+      slivers += cut[i].volume < 0.05f;
+      glm::dmat3 matrix(0);
+      glm::dvec3 right(0);
+      const auto equation = [&](glm::dvec3 d, double weight, double difference) {
+        matrix += weight / glm::dot(d, d) * glm::outerProduct(d, d);
+        right += weight / glm::dot(d, d) * difference * d;
+      };
+      for (int axis = 0; axis < 3; ++axis)
+        for (int side : {-1, 1}) {
+          glm::ivec3 other = cell;
+          other[axis] += side;
+          if (size(other) <= 0) continue;
+          equation(glm::dvec3(other - cell) + centre(other) - centre(cell), std::min(1.0, size(other) / 0.05),
+                   fluence(other, c) - fluence(cell, c));
+        }
+      const glm::dvec3 area(cut[i].facet.area_vector);
+      if (glm::length(area) > 0.5 * cut[i].facet.area)
+        equation(glm::dvec3(cut[i].facet.centre) - centre(cell) + 2 * A * facets[i].kappa[c] / h * glm::normalize(area),
+                 1, q(i, c) - fluence(cell, c));
+      const double trace = matrix[0][0] + matrix[1][1] + matrix[2][2];
+      const glm::dvec3 g = trace > 0 ? glm::inverse(matrix + glm::dmat3(1e-4 * trace)) * right : glm::dvec3(0);
+      const glm::vec4 mine = got[c * cut.size() + i];
+      for (int axis = 0; axis < 3; ++axis) slope.add(mine[axis], g[axis]);
+      value.add(mine.w, fluence(cell, c));
+    }
+    EXPECT_GT(slope.value, 0);
+    EXPECT_LT(slope.apart, 1e-3 * slope.value) << c;  // 1e-4 of the trace conditions the worst of the matrices
+    EXPECT_LT(value.apart, 1e-6 * value.value) << c;
+  }
+  EXPECT_GT(slivers, 10u);
+}
+
+TEST_F(GpuDiffusionSurface, FacetsAndSourceEqualTwin) {
+  const std::vector<glm::vec4> gradient = random_gradients();
+  const gpu::Buffer gradients = gpu::make_buffer(context, gradient, "gradients");
+  const gpu::Buffer cell_sources = results<float>(cut.size() * channels),
+                    face_fluxes = results<float>(cut.size() * channels * 6),
+                    facet_offsets = results<float>(cut.size() * channels);
+  const Multigrid& multigrid = body.diffusion().multigrid();
+  const std::vector<float> stencil = gpu::download<float>(context, body.diffusion().multigrid().finest().stencil);
+  const std::vector<float> B = gpu::download<float>(context, body.diffusion().facet_conductances());
+  for (bool corrected : {false, true}) {
+    gpu::Image& rhs = body.diffusion().pcg().rhs();
+    gpu::Commands commands(context);
+    commands.dispatch(passes.facets[corrected], {cut.size(), channels, 1},
+                      {{"cut_index", domain.cut_index},
+                       {"cut_cells", domain.cut_cells},
+                       {"conductances", body.diffusion().facet_conductances()},
+                       {"gamma_s", gamma_buffer},
+                       {"scales", scale_buffer},
+                       {"gradients", gradients},
+                       {"stencil", body.diffusion().multigrid().finest().stencil},
+                       {"cell_sources", cell_sources},
+                       {"face_fluxes", face_fluxes},
+                       {"facet_offsets", facet_offsets}},
+                      push());
+    commands.dispatch(passes.source[corrected], multigrid.threads(0),
+                      {{"tiles", multigrid.tiles().packed},
+                       {"cut_index", domain.cut_index},
+                       {"cut_cells", domain.cut_cells},
+                       {"cell_sources", cell_sources},
+                       {"face_fluxes", face_fluxes},
+                       {"rhs", rhs}},
+                      push());
+    commands.submit();
+    const std::vector<float> got = gpu::download<float>(context, rhs);
+    const std::vector<float> below = gpu::download<float>(context, facet_offsets);
+    for (int c = 0; c < channels; ++c) {
+      std::vector<double> b(volume.size(), 0.0);
+      const auto carried = [&](std::size_t i, glm::dvec3 away) {
+        const glm::dvec4 g(gradient[c * cut.size() + i]);
+        return std::clamp(glm::dot(glm::dvec3(g), away), -0.25 * std::abs(g.w), 0.25 * std::abs(g.w));
+      };
+      Largest offset, source;
+      for (std::size_t i = 1; i < cut.size(); ++i) {
+        const GpuFacet& facet = cut[i].facet;
+        const double length = glm::length(glm::dvec3(facet.area_vector));
+        double o = 0;
+        if (corrected && length > 0.5 * facet.area) {
+          const glm::dvec3 normal = glm::dvec3(facet.area_vector) / length,
+                           away = glm::dvec3(facet.centre) - glm::dvec3(cut[i].centre);
+          o = carried(i, away - normal * glm::dot(away, normal));
+        }
+        offset.add(below[c * cut.size() + i], o);
+        b[at(cut[i].cell)] += B[c * cut.size() + i] * (q(i, c) - o) / scales[c].unit;
+      }
+      // Every face once, what the one side gains the other loses.
+      if (corrected)
+        for_cells([&](glm::ivec3 upper) {
+          for (int axis = 0; axis < 3; ++axis) {
+            glm::ivec3 lower = upper;
+            --lower[axis];
+            const double T = stencil[upper.x + n.x * (axis + std::size_t(4) * (upper.y + n.y * (upper.z + c * n.z)))];
+            if (!inside(lower) || T == 0) continue;
+            const glm::dvec3 face(cut[index(upper)].low_face_centre[axis]);
+            const auto towards_face = [&](glm::ivec3 cell) {
+              if (index(cell) == 0) return 0.0;
+              glm::dvec3 away = face - centre(cell);
+              away[axis] = 0;
+              return carried(index(cell), away);
+            };
+            const double flux = T * (towards_face(lower) - towards_face(upper)) / scales[c].unit;
+            b[at(upper)] += flux;
+            b[at(lower)] -= flux;
+          }
+        });
+      for (std::size_t i = 0; i < b.size(); ++i) source.add(got[c * b.size() + i], b[i]);
+      EXPECT_EQ(offset.value > 0, corrected);
+      EXPECT_LE(offset.apart, 1e-5 * offset.value) << c;
+      EXPECT_GT(source.value, 0);
+      EXPECT_LT(source.apart, 1e-5 * source.value) << c << " corrected " << corrected;
+    }
+  }
+}
+
+TEST_F(GpuDiffusionSurface, EnergyEqualsTwin) {
+  const std::vector<float> absorption = [&] {
+    std::vector<float> values(phi.size());
+    std::uniform_real_distribution<float> uniform(0, 1);
+    for (float& v : values) v = uniform(engine);
+    return values;
+  }();
+  const gpu::Image absorption_image = packed_image(context, n, channels, 1, "absorption");
+  gpu::upload(context, absorption_image, absorption);
+  std::vector<float> offsets;
+  for (const glm::vec4& g : random_gradients()) offsets.push_back(0.1f * g.x);
+  const gpu::Buffer facet_offsets = gpu::make_buffer(context, offsets, "offsets"), sums = results<EnergySums>(channels);
+  const Multigrid& multigrid = body.diffusion().multigrid();
+  Pcg& pcg = body.diffusion().pcg();
+  const struct {
+    SurfacePush surface;
+    int partials_per_channel;
+  } energy_push{push(), pcg.partials_per_channel()};
+  gpu::Commands commands(context);
+  commands.dispatch(passes.absorbed, multigrid.threads(0),
+                    {{"tiles", multigrid.tiles().packed},
+                     {"partials", pcg.partials()},
+                     {"volume", domain.volume},
+                     {"absorption", absorption_image},
+                     {"phi", pcg.solution()}},
+                    LevelPush{n, n, 0});
+  commands.dispatch(passes.energy, {256 * channels, 1, 1},
+                    {{"cut_cells", domain.cut_cells},
+                     {"gamma_s", gamma_buffer},
+                     {"facets", body.diffusion().facet_medium()},
+                     {"scales", scale_buffer},
+                     {"partials", pcg.partials()},
+                     {"facet_offsets", facet_offsets},
+                     {"phi", pcg.solution()},
+                     {"sums", sums}},
+                    energy_push);
+  commands.submit();
+  const std::vector<EnergySums> got = gpu::download<EnergySums>(context, sums);
+  for (int c = 0; c < channels; ++c) {
+    double in = 0, out = 0, absorbed = 0;
+    for (std::size_t i = 0; i < volume.size(); ++i)
+      absorbed += double(absorption[c * volume.size() + i]) * volume[i] * phi[c * volume.size() + i];
+    for (std::size_t i = 1; i < cut.size(); ++i) {
+      const double area = cut[i].facet.area * h * h, own = fluence(cut[i].cell, c) + offsets[c * cut.size() + i];
+      const double d = std::max(double(cut[i].facet.distance), 0.05) * h / facets[i].kappa[c];
+      // phi_b of phi_b + 2 A kappa (phi_b - phi) / d = q; the query's bracket is what leaves through F_dt / 4.
+      const double surface = (2 * A * own + d * q(i, c)) / (2 * A + d);
+      in += area * gamma[i][c];
+      out += area * body.f_dt() / 4 * query_bracket(surface, double(gamma[i][c]), A, body.f_dt());
+    }
+    EXPECT_NEAR(got[c].in_, in, 1e-5 * in);
+    EXPECT_NEAR(got[c].out_, out, 1e-4 * in);
+    EXPECT_NEAR(got[c].absorbed, absorbed, 1e-5 * absorbed);
+  }
+}
+
+TEST_F(GpuDiffusionSurface, SurfaceEqualsTwin) { check_surface(); }
+TEST_F(GpuDiffusionSurfaceGrey, SurfaceEqualsTwin) { check_surface(); }
+
+}  // namespace
+}  // namespace alabaster
