@@ -1,0 +1,285 @@
+// The solver's passes one at a time, two channels, on every level they run on, against the double-precision twin.
+#include "support/device.h"
+#include "support/diffusion_problems.h"
+
+namespace alabaster {
+namespace {
+
+constexpr double close = 2e-5;  // of the largest entry; the coarse operators themselves are compared elsewhere
+
+class GpuDiffusionVectors : public GpuTest {
+ protected:
+  GpuDiffusionVectors() {
+    std::vector<float> stencil;
+    for (const twin::Problem& problem : problems)
+      for (float v : pack_finest(problem.a)) stencil.push_back(v);
+    gpu::upload(context, multigrid.finest().stencil, stencil);
+    multigrid.set_up();
+    for (const twin::Problem& problem : problems) expected.emplace_back(problem.a);
+  }
+
+  const twin::Operator& matrix(std::size_t l, int channel) const { return expected[channel].levels()[l].a; }
+  std::vector<twin::Vector> random(std::size_t l, unsigned seed) const {
+    return {random_on(matrix(l, 0), seed), random_on(matrix(l, 1), seed + 100)};
+  }
+  gpu::Image image(std::size_t l, const std::vector<twin::Vector>& channels) {
+    gpu::Image made = packed_image(context, matrix(l, 0).grid.n, 2, 1, "test");
+    std::vector<float> texels;
+    for (const twin::Vector& v : channels)
+      for (float value : pack({&v}, matrix(l, 0).grid)) texels.push_back(value);
+    gpu::upload(context, made, texels);
+    return made;
+  }
+  void expect(const gpu::Image& got, std::size_t l, int channel, const twin::Vector& wanted, const char* name) {
+    EXPECT_LT(worst_difference(unpack(gpu::download<float>(context, got), matrix(l, 0).grid, 0, 1, channel), wanted),
+              close)
+        << name << ", level " << l << ", channel " << channel;
+  }
+  void expect_sum(int channel, double wanted, const char* name) {
+    const std::vector<float> all = gpu::download<float>(context, partials);
+    const std::size_t each = all.size() / 2;
+    double sum = 0;
+    for (std::size_t i = 0; i < each; ++i) sum += all[channel * each + i];
+    EXPECT_NEAR(sum, wanted, close * std::abs(wanted) + 1e-4) << name << ", channel " << channel;
+  }
+  void run(const gpu::Pass& pass, std::size_t l, std::vector<gpu::Binding> bindings, float omega = 0,
+           std::size_t threads_of = 0) {
+    const std::size_t coarse = std::min(l + 1, multigrid.levels().size() - 1);
+    bindings.push_back({"tiles", tiles.packed});
+    gpu::Commands commands(context);
+    commands.dispatch(pass, multigrid.threads(l + threads_of), bindings,
+                      LevelPush{multigrid.levels()[l].cells, multigrid.levels()[coarse].cells, omega});
+    commands.submit();
+  }
+
+  DiffusionPasses passes{context};
+  // A thin tilted plate with slivers and blocks of another medium in it.
+  CutCells cells = gridded(transformed(box({1, 0.08f, 0.9f}), rotation({1, 2, 3}, 17)), 40);
+  std::vector<twin::Problem> problems{twin::assemble(cells, checker(0.02, 1e4, 0.13, 3), 2.6),
+                                      twin::assemble(cells, checker(0.1, 1, 1, 0.5), 2.6)};
+  TileList tiles = tile_list(context, problems[0].a);
+  Multigrid multigrid{context, passes, problems[0].a.grid.n, 2, tiles};
+  std::vector<twin::Multigrid> expected;
+  gpu::Buffer partials =
+      gpu::make_buffer(context, std::vector<float>(2 * tiles.count * DIFFUSION_PARTIALS), "partials");
+};
+
+TEST_F(GpuDiffusionVectors, SmoothAndResidualEqualTwin) {
+  for (std::size_t l = 0; l + 1 < multigrid.levels().size(); ++l) {
+    const std::vector<twin::Vector> x = random(l, 1), b = random(l, 2);
+    const gpu::Image on_x = image(l, x), on_b = image(l, b), smoothed = image(l, x), residual = image(l, x);
+    MultigridLevel& level = multigrid.levels()[l];
+    run(l == 0 ? passes.smooth_dot : passes.smooth[0], l,
+        {{"stencil", level.stencil},
+         {"x", on_x},
+         {"partials", partials},
+         {"inverse_l1", level.inverse_l1},
+         {"b", on_b},
+         {"smoothed", smoothed}},
+        0.7f);
+    run(passes.residual[l == 0], l, {{"stencil", level.stencil}, {"x", on_x}, {"b", on_b}, {"residual", residual}});
+    for (int c = 0; c < 2; ++c) {
+      twin::Vector r, s = x[c];
+      matrix(l, c).apply(x[c], r);
+      for (std::size_t i = 0; i < r.size(); ++i) {
+        r[i] = b[c][i] - r[i];
+        s[i] += double(0.7f) * expected[c].levels()[l].inverse_l1[i] * r[i];
+      }
+      expect(residual, l, c, r, "residual");
+      expect(smoothed, l, c, s, "smooth");
+      if (l == 0) expect_sum(c, twin::dot(b[c], s), "smooth");
+    }
+  }
+}
+
+TEST_F(GpuDiffusionVectors, RestrictAndProlongEqualTwin) {
+  for (std::size_t l = 0; l + 1 < multigrid.levels().size(); ++l) {
+    const std::vector<twin::Vector> r = random(l, 3), x = random(l, 4), e = random(l + 1, 5);
+    const gpu::Image on_r = image(l, r), on_x = image(l, x), on_e = image(l + 1, e), b = image(l + 1, e),
+                     first = image(l + 1, e);
+    MultigridLevel &level = multigrid.levels()[l], &coarse = multigrid.levels()[l + 1];
+    run(passes.restrict_residual, l,
+        {{"residual", on_r}, {"weights", level.weights}, {"inverse_l1", coarse.inverse_l1}, {"b", b}, {"x", first}},
+        0.6f, 1);
+    run(passes.prolong[l == 0], l, {{"weights", level.weights}, {"correction", on_e}, {"x", on_x}});
+    for (int c = 0; c < 2; ++c) {
+      const twin::Interpolation& p = expected[c].interpolations()[l];
+      twin::Vector wanted, up = x[c];
+      p.restrict_to(r[c], wanted);
+      p.prolong_add(e[c], up);
+      expect(b, l + 1, c, wanted, "restrict");
+      for (std::size_t i = 0; i < wanted.size(); ++i)
+        wanted[i] *= double(0.6f) * expected[c].levels()[l + 1].inverse_l1[i];
+      expect(first, l + 1, c, wanted, "restrict's first smoothing");
+      expect(on_x, l, c, up, "prolong");
+    }
+  }
+}
+
+TEST_F(GpuDiffusionVectors, DirectIsTheProductWithTheInverse) {
+  const std::size_t l = multigrid.levels().size() - 1;
+  const glm::ivec3 n = multigrid.levels()[l].cells;
+  const int nx = (n.x + 3) / 4 * 4, count = nx * n.y * n.z;
+  std::mt19937 engine(3);
+  std::uniform_real_distribution<float> uniform(-1, 1);
+  std::vector<float> inverse(std::size_t(2) * count * count);
+  for (float& v : inverse) v = uniform(engine);
+  const std::vector<twin::Vector> b = random(l, 6);
+  const gpu::Image on_b = image(l, b), x = image(l, b);
+  const gpu::Buffer on_inverse = gpu::make_buffer(context, inverse, "inverse");
+  gpu::Commands commands(context);
+  commands.dispatch(passes.direct, {count / 4, 2, 1}, {{"inverse", on_inverse}, {"b", on_b}, {"x", x}},
+                    LevelPush{n, n, 0});
+  commands.submit();
+  const std::vector<float> got = gpu::download<float>(context, x);
+  for (int c = 0; c < 2; ++c) {
+    const std::vector<float> packed = pack({&b[c]}, matrix(l, 0).grid);
+    for (int row = 0; row < count; ++row) {
+      double sum = 0;
+      for (int k = 0; k < count; ++k) sum += double(inverse[(std::size_t(c) * count + row) * count + k]) * packed[k];
+      ASSERT_NEAR(got[c * count + row], sum, 1e-4) << c << " row " << row;
+    }
+  }
+}
+
+TEST_F(GpuDiffusionVectors, StepsOfTheConjugateGradientsEqualTwin) {
+  const std::vector<twin::Vector> x = random(0, 7), p = random(0, 8), b = random(0, 9);
+  std::vector<CgScalars> scalars(2);
+  scalars[0].alpha = 0.3f, scalars[1].alpha = -1.7f;
+  scalars[0].beta = 0.9f, scalars[1].beta = 0;
+  const gpu::Buffer on_scalars = gpu::make_buffer(context, scalars, "scalars");
+  MultigridLevel& level = multigrid.finest();
+  const gpu::Image on_x = image(0, x), on_p = image(0, p), on_b = image(0, b);
+
+  run(passes.norm, 0, {{"partials", partials}, {"x", on_x}});
+  for (int c = 0; c < 2; ++c) expect_sum(c, twin::dot(x[c], x[c]), "norm");
+
+  const gpu::Image product = image(0, x);
+  run(passes.apply_dot, 0, {{"stencil", level.stencil}, {"x", on_p}, {"partials", partials}, {"product", product}});
+  std::vector<twin::Vector> q(2);
+  for (int c = 0; c < 2; ++c) {
+    matrix(0, c).apply(p[c], q[c]);
+    expect(product, 0, c, q[c], "apply_dot");
+    expect_sum(c, twin::dot(p[c], q[c]), "apply_dot");
+  }
+
+  const gpu::Image residual = image(0, x), z = image(0, x);
+  run(passes.start, 0,
+      {{"stencil", level.stencil},
+       {"x", on_x},
+       {"partials", partials},
+       {"inverse_l1", level.inverse_l1},
+       {"b", on_b},
+       {"r", residual},
+       {"z", z}},
+      0.8f);
+  for (int c = 0; c < 2; ++c) {
+    twin::Vector r, first;
+    matrix(0, c).apply(x[c], r);
+    for (std::size_t i = 0; i < r.size(); ++i) r[i] = b[c][i] - r[i];
+    expect(residual, 0, c, r, "start");
+    expect_sum(c, twin::dot(r, r), "start");
+    first = r;
+    for (std::size_t i = 0; i < r.size(); ++i) first[i] *= double(0.8f) * expected[c].levels()[0].inverse_l1[i];
+    expect(z, 0, c, first, "start's smoothing");
+  }
+
+  const gpu::Image high = image(0, x), low = image(0, {twin::Vector(x[0].size()), twin::Vector(x[0].size())}),
+                   r = image(0, b), next = image(0, b);
+  run(passes.update, 0,
+      {{"partials", partials},
+       {"scalars", on_scalars},
+       {"inverse_l1", level.inverse_l1},
+       {"p", on_p},
+       {"q", product},
+       {"high", high},
+       {"low", low},
+       {"r", r},
+       {"z", next}},
+      0.8f);
+  for (int c = 0; c < 2; ++c) {
+    const double alpha = scalars[c].alpha;
+    twin::Vector sum = x[c], rest = b[c], smoothed;
+    for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += alpha * p[c][i], rest[i] -= alpha * q[c][i];
+    expect(high, 0, c, sum, "update");
+    expect(r, 0, c, rest, "update's residual");
+    expect_sum(c, twin::dot(rest, rest), "update");
+    smoothed = rest;
+    for (std::size_t i = 0; i < sum.size(); ++i) smoothed[i] *= double(0.8f) * expected[c].levels()[0].inverse_l1[i];
+    expect(next, 0, c, smoothed, "update's smoothing");
+    // high + low has more digits than one float: what was lost to rounding is in `low`.
+    const twin::Lattice& grid = matrix(0, 0).grid;
+    const twin::Vector h = unpack(gpu::download<float>(context, high), grid, 0, 1, c),
+                       lost = unpack(gpu::download<float>(context, low), grid, 0, 1, c);
+    double worst = 0;
+    for (std::size_t i = 0; i < sum.size(); ++i) {
+      const double exact = double(float(x[c][i])) + double(float(alpha * float(p[c][i])));
+      worst = std::max(worst, std::abs(h[i] + lost[i] - exact));
+    }
+    EXPECT_LT(worst, 1e-12 + 1e-7 * 1.7) << "a step's own rounding at most";
+  }
+
+  run(passes.direction, 0, {{"scalars", on_scalars}, {"z", on_x}, {"p", on_p}});
+  for (int c = 0; c < 2; ++c) {
+    twin::Vector wanted = x[c];
+    for (std::size_t i = 0; i < wanted.size(); ++i) wanted[i] += double(scalars[c].beta) * p[c][i];
+    expect(on_p, 0, c, wanted, "direction");
+  }
+}
+
+TEST_F(GpuDiffusionVectors, ReduceMovesTheScalarsOn) {
+  const int count = 1000;  // more than a workgroup, not a multiple of it
+  std::vector<float> values(2 * count);
+  double sums[2] = {0, 0};
+  for (int i = 0; i < 2 * count; ++i) {
+    values[i] = 0.001f * static_cast<float>(i % 37);
+    sums[i / count] += values[i];
+  }
+  const auto reduced = [&](std::vector<CgScalars> before, int mode, const std::vector<float>& parts) {
+    const gpu::Buffer scalars = gpu::make_buffer(context, before, "scalars"),
+                      parts_buffer = gpu::make_buffer(context, parts, "parts");
+    gpu::Commands commands(context);
+    commands.dispatch(passes.reduce, {64 * 2, 1, 1}, {{"partials", parts_buffer}, {"scalars", scalars}},
+                      ReducePush{count, mode});
+    commands.submit();
+    return gpu::download<CgScalars>(context, scalars);
+  };
+  CgScalars going{};
+  going.tolerance = 0.1f, going.bb = 100, going.rho = 4, going.iterations = 3;
+  CgScalars ended = going;
+  ended.done = 1;
+  std::vector<CgScalars> got = reduced({going, going}, DIFFUSION_REDUCE_START, values);
+  for (int c = 0; c < 2; ++c) {
+    EXPECT_NEAR(got[c].bb, sums[c], 1e-5 * sums[c]);
+    EXPECT_EQ(got[c].iterations, 0);
+  }
+  got = reduced({going, ended}, DIFFUSION_REDUCE_BETA, values);
+  EXPECT_NEAR(got[0].beta, sums[0] / 4, 1e-5 * sums[0]);
+  EXPECT_NEAR(got[0].rho, sums[0], 1e-5 * sums[0]);
+  EXPECT_EQ(got[1].beta, 0);
+  got = reduced({going, ended}, DIFFUSION_REDUCE_ALPHA, values);
+  EXPECT_NEAR(got[0].alpha, 4 / sums[0], 1e-5);
+  EXPECT_EQ(got[1].alpha, 0);
+  CgScalars near = going;
+  near.bb = 1e6f;  // goal 1e4, above the sums
+  got = reduced({going, near}, DIFFUSION_REDUCE_RESIDUAL, values);
+  EXPECT_NEAR(got[0].rr, sums[0], 1e-5 * sums[0]);
+  EXPECT_EQ(got[0].iterations, 4);
+  EXPECT_EQ(got[0].done, 0);
+  EXPECT_EQ(got[1].done, 1);
+  got = reduced({going, near}, DIFFUSION_REDUCE_TRUE, values);
+  EXPECT_EQ(got[0].done, 0);
+  EXPECT_EQ(got[1].done, 1);
+  EXPECT_NEAR(got[0].true_rr, sums[0], 1e-5 * sums[0]);
+  std::vector<float> broken = values;
+  broken[5] = NAN;        // channel 0
+  broken[count] = -1e6f;  // channel 1: p . A p below zero
+  got = reduced({going, going}, DIFFUSION_REDUCE_ALPHA, broken);
+  for (int c = 0; c < 2; ++c) {
+    EXPECT_EQ(got[c].done, 2) << c;
+    EXPECT_EQ(got[c].alpha, 0) << c;
+  }
+}
+
+}  // namespace
+}  // namespace alabaster
