@@ -173,6 +173,29 @@ TEST_F(GpuDiffusionSurface, ScaleIsThePowerOfTwoAboveTheLargestSource) {
   EXPECT_EQ(got[2].ratio, 0);
 }
 
+TEST_F(GpuDiffusionSurface, RescaleCarriesTheSolutionIntoTheNewUnit) {
+  Pcg& pcg = body.diffusion().pcg();
+  std::vector<float> low = phi;
+  for (float& v : low) v *= 1e-8f;
+  gpu::upload(context, pcg.solution_rest(), low);
+  for (int c = 0; c < channels; ++c) scales[c].ratio = c == 2 ? 0 : std::ldexp(1.f, 5 - 7 * c);
+  const gpu::Buffer ratios = gpu::make_buffer(context, scales, "scales");
+  const Multigrid& multigrid = body.diffusion().multigrid();
+  gpu::Commands commands(context);
+  commands.dispatch(
+      passes.rescale, multigrid.threads(0),
+      {{"tiles", multigrid.tiles().packed}, {"scales", ratios}, {"high", pcg.solution()}, {"low", pcg.solution_rest()}},
+      push());
+  commands.submit();
+  const std::vector<float> high = gpu::download<float>(context, pcg.solution()),
+                           rest = gpu::download<float>(context, pcg.solution_rest());
+  for (std::size_t i = 0; i < phi.size(); ++i) {
+    const float ratio = scales[i / volume.size()].ratio;
+    ASSERT_EQ(high[i], ratio * phi[i]) << i;
+    ASSERT_EQ(rest[i], ratio * low[i]) << i;
+  }
+}
+
 TEST_F(GpuDiffusionSurface, GradientEqualsTwin) {
   const gpu::Buffer gradients = results<glm::vec4>(cut.size() * channels);
   gpu::Commands commands(context);
