@@ -13,14 +13,14 @@ float weight(int k, ivec3 coarse_cell) {
 }
 
 // The share of all couplings i -> i + e: sum over fine cells i = 2 I + d of P(i, I) A(i, i + e) P(i + e, I + D).
-float share(ivec3 e, ivec3 D, ivec3 coarse, ivec3 other, ivec3 base, bool active_) {
+float share(ivec3 e, ivec3 D, ivec3 coarse, ivec3 other, ivec3 base, bool active_, bool own) {
   ivec3 low = max(ivec3(-1), 2 * D - 1 - e), high = active_ ? min(ivec3(1), 2 * D + 1 - e) : ivec3(-2);
   float sum = 0;
   for (int z = low.z; z <= high.z; ++z)
     for (int y = low.y; y <= high.y; ++y)
       for (int x = low.x; x <= high.x; ++x) {
         ivec3 d = ivec3(x, y, z);
-        float a = e == ivec3(0) ? fine_diagonal(base + d) : coupling(base + d, e);
+        float a = own ? fine_diagonal(base + d) : coupling(base + d, e);
         sum += weight(entry(d), coarse) * a * weight(entry(d + e - 2 * D), other);
       }
   return sum;
@@ -34,15 +34,14 @@ void main() {
   float any_weight = 0;
   for (int m = 0; m < DIFFUSION_WEIGHTS; ++m) any_weight += abs(weight(m, coarse));
   bool active_ = k != DIFFUSION_ROW_SUM && any_weight > 0 && in_grid(I, push.coarse_cells) && in_grid(I + D, push.coarse_cells);
-  float sum = 0;
-  if (finest != 0) {
-    for (int n = 0; n < 7; ++n) {
-      ivec3 e = ivec3(0);
-      if (n < 6) e[n >> 1] = 2 * (n & 1) - 1;
-      sum += share(e, D, coarse, other, base, active_);
+  float sum = share(ivec3(0), D, coarse, other, base, active_, true);
+  for (int n = 0; n < (finest != 0 ? 6 : 26); ++n) {
+    ivec3 e = offset(n < 13 ? n : n + 1);
+    if (finest != 0) {
+      e = ivec3(0);
+      e[n >> 1] = 2 * (n & 1) - 1;
     }
-  } else {
-    for (int n = 0; n < 27; ++n) sum += share(offset(n), D, coarse, other, base, active_);
+    sum += share(e, D, coarse, other, base, active_, false);
   }
   results[gl_LocalInvocationIndex] = sum;
   barrier();
