@@ -33,9 +33,10 @@ vec3 carried(uint index, vec3 away, int side) {
   vec3 r = away - cut_cells[index].centre, normal = own_slope ? normalize(facet.area_vector) : vec3(0), result;
   float across = dot(normal, r);
   for (int c = 0; c < 3; ++c) {
-    vec4 g = gradients[min(c, push.channels - 1) * push.count + index];
-    float q = dsbc_source(gamma_of(index, side)[c], push.f_dt);
-    float sheet = dsbc_surface_fluence(g.w, q, push.A, depth * push.h / facets[index].kappa[c]);
+    int channel = min(c, push.channels - 1);
+    vec4 g = gradients[channel * push.count + index];
+    float q = dsbc_source(gamma_of(index, side)[channel], push.f_dt);
+    float sheet = dsbc_surface_fluence(g.w, q, push.A, depth * push.h / facets[index].kappa[channel]);
     result[c] = g.w + dot(g.xyz, r - across * normal) + across * (sheet - g.w) / depth;
   }
   return result;

@@ -1,6 +1,6 @@
 // The passes between the linear solver and the surface, each alone against its double-precision twin on random inputs:
-// scale, gradient, facets with source, surface, absorbed with energy. The box is tilted and thin, so slivers, cells
-// without neighbours along an axis and bent facets all occur.
+// scale, rescale, gradient, facets with source, surface, absorbed with energy. A thick and a thin plate, tilted:
+// slivers, cells without neighbours along an axis, bent facets and sheets back to back in a cell all occur.
 #include <random>
 
 #include "support/diffusion_device.h"
@@ -18,7 +18,7 @@ struct Largest {  // difference and value seen
 
 class GpuDiffusionSurface : public GpuTest {
  protected:
-  explicit GpuDiffusionSurface(int channel_count = 3) : channels(channel_count) {
+  explicit GpuDiffusionSurface(int channel_count = 3, int side_count = 2) : channels(channel_count), sides(side_count) {
     std::uniform_real_distribution<float> uniform(0, 1);
     for (glm::vec3& g : gamma) g = {uniform(engine), uniform(engine), uniform(engine) < 0.5f ? 0 : uniform(engine)};
     phi.assign(volume.size() * channels, 0.f);
@@ -36,7 +36,8 @@ class GpuDiffusionSurface : public GpuTest {
             channels,
             static_cast<float>(A),
             static_cast<float>(body.f_dt()),
-            static_cast<float>(h)};
+            static_cast<float>(h),
+            sides};
   }
   bool inside(glm::ivec3 c) const { return glm::all(glm::lessThan(glm::uvec3(c), glm::uvec3(n))); }
   std::size_t at(glm::ivec3 c) const { return c.x + std::size_t(n.x) * (c.y + std::size_t(n.y) * c.z); }
@@ -46,7 +47,21 @@ class GpuDiffusionSurface : public GpuTest {
   double fluence(glm::ivec3 c, int channel) const {
     return inside(c) ? double(phi[channel * volume.size() + at(c)]) * scales[channel].unit : 0;
   }
-  double q(std::size_t i, int channel) const { return dsbc_source(double(gamma[i][channel]), body.f_dt()); }
+  double gamma_of(std::size_t i, int side, int channel) const { return gamma[sides == 2 ? 2 * i + side : i][channel]; }
+  double depth(std::size_t i, int side, int channel) const {
+    return std::max(double(cut[i].side[side].distance), 0.05) * h / facets[i].kappa[channel];
+  }
+  /// 4 Gamma_s / F_dt, mean over the sides by area, or by the conductance between surface and unknown.
+  double q(std::size_t i, int channel, bool by_conductance = false) const {
+    double sum = 0, weights = 0;
+    for (int side = 0; side < 2; ++side) {
+      const double area = cut[i].side[side].area;
+      const double weight = by_conductance ? area / (2 * A + depth(i, side, channel)) : area;
+      sum += weight * dsbc_source(gamma_of(i, side, channel), body.f_dt());
+      weights += weight;
+    }
+    return weights > 0 ? sum / weights : 0;
+  }
   std::vector<glm::vec4> random_gradients() {
     std::uniform_real_distribution<float> uniform(-1, 1);
     std::vector<glm::vec4> g(cut.size() * channels);
@@ -70,8 +85,10 @@ class GpuDiffusionSurface : public GpuTest {
     return {(p.x > 0.1 ? 20.0 : 300.0) * glm::dvec3(1, 2, 3), glm::dvec3(0.1, 0.5, 2)};
   }
 
-  int channels;
-  Mesh mesh = transformed(box({1, 0.07f, 0.6f}, 4), rotation({1, 2, 3}, 31));
+  int channels, sides;  // Gamma_s entries a cut cell
+  Mesh mesh =
+      transformed(joined(box({1, 0.09f, 0.6f}, 4), transformed(box({0.9f, 0.012f, 0.5f}, 4), translation({0, 0.2, 0}))),
+                  rotation({1, 2, 3}, 31));
   Body body{context, mesh, 28, medium, channels};
   FluencePasses passes{context};
   const Domain& domain = body.domain();
@@ -82,7 +99,7 @@ class GpuDiffusionSurface : public GpuTest {
   std::vector<GpuCutCell> cut = body.cut_cells();
   std::vector<FacetMedium> facets = gpu::download<FacetMedium>(context, body.diffusion().facet_medium());
   std::mt19937 engine{5};
-  std::vector<glm::vec3> gamma = std::vector<glm::vec3>(cut.size());
+  std::vector<glm::vec3> gamma = std::vector<glm::vec3>(cut.size() * sides);
   std::vector<float> phi;
   std::vector<FluenceScale> scales;
   gpu::Buffer scale_buffer, gamma_buffer;
@@ -91,8 +108,9 @@ class GpuDiffusionSurface : public GpuTest {
 void GpuDiffusionSurface::check_surface() {
   const std::vector<glm::vec4> gradient = random_gradients();
   const gpu::Buffer gradients = gpu::make_buffer(context, gradient, "gradients");
-  const gpu::Image surface = gpu::image3d(context, n, VK_FORMAT_R32G32B32A32_SFLOAT, "surface"),
-                   surface_gamma = gpu::image3d(context, n, VK_FORMAT_R32G32B32A32_SFLOAT, "surface gamma");
+  std::vector<gpu::Image> images;
+  for (const char* name : {"phi up", "phi down", "gamma up", "gamma down"})
+    images.push_back(gpu::image3d(context, n, VK_FORMAT_R32G32B32A32_SFLOAT, name));
   gpu::Commands commands(context);
   commands.dispatch(passes.surface, {n.x / 4, n.y, n.z},
                     {{"cut_index", domain.cut_index},
@@ -101,57 +119,94 @@ void GpuDiffusionSurface::check_surface() {
                      {"gradients", gradients},
                      {"volume", domain.volume},
                      {"phi", body.diffusion().pcg().solution()},
-                     {"surface", surface},
                      {"gamma_s", gamma_buffer},
-                     {"surface_gamma", surface_gamma}},
+                     {"facets", body.diffusion().facet_medium()},
+                     {"phi_up", images[0]},
+                     {"phi_down", images[1]},
+                     {"gamma_up", images[2]},
+                     {"gamma_down", images[3]}},
                     push());
   commands.submit();
-  const std::vector<float> got = gpu::download<float>(context, surface),
-                           got_gamma = gpu::download<float>(context, surface_gamma);
-  std::size_t kinds[4] = {0};  // whole, cut, taken from neighbours, far outside
+  std::size_t kinds[4] = {0}, sheets = 0;  // whole, cut, taken from neighbours, far outside; with a slope a side
   Largest fluence_seen, gamma_seen;
-  for_cells([&](glm::ivec3 cell) {
-    for (int rgb = 0; rgb < 3; ++rgb) {
-      const int c = std::min(rgb, channels - 1);
-      const auto carried = [&](std::uint32_t i, glm::dvec3 point) {
-        const glm::dvec4 g(gradient[c * cut.size() + i]);
-        return g.w + glm::dot(glm::dvec3(g), point - glm::dvec3(cut[i].centre));
-      };
-      const std::uint32_t own = index(cell);
-      double weights = 0, sum = 0, area = 0, light = 0;
-      for (int k = 0; k < 27; ++k) {
-        const glm::ivec3 d(k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1);
-        const std::uint32_t i = index(cell + d);
-        if (i == 0) continue;
-        const glm::dvec3 centre_here = glm::dvec3(0.5) - glm::dvec3(d), apart = centre_here - glm::dvec3(cut[i].centre);
-        weights += cut[i].volume / glm::dot(apart, apart);
-        sum += cut[i].volume / glm::dot(apart, apart) * carried(i, centre_here);
-        area += cut[i].facet.area;
-        light += double(cut[i].facet.area) * gamma[i][c];
+  for (int side = 0; side < 2; ++side) {
+    const std::vector<float> got = gpu::download<float>(context, images[side]),
+                             got_gamma = gpu::download<float>(context, images[2 + side]);
+    for_cells([&](glm::ivec3 cell) {
+      for (int rgb = 0; rgb < 3; ++rgb) {
+        const int c = std::min(rgb, channels - 1);
+        const auto carried = [&](std::uint32_t i, glm::dvec3 point) {
+          const GpuFacet& facet = cut[i].side[side];
+          const glm::dvec4 g(gradient[c * cut.size() + i]);
+          const glm::dvec3 away = point - glm::dvec3(cut[i].centre);
+          if (glm::length(cut[i].facet.area_vector) > 0.5f * cut[i].facet.area || facet.area <= 0)
+            return g.w + glm::dot(glm::dvec3(g), away);
+          ++sheets;
+          const glm::dvec3 normal = glm::normalize(glm::dvec3(facet.area_vector));
+          const double across = glm::dot(normal, away), d = depth(i, side, c);
+          const double boundary = dsbc_source(gamma_of(i, side, c), body.f_dt());
+          const double sheet = (2 * A * g.w + d * boundary) / (2 * A + d);
+          return g.w + glm::dot(glm::dvec3(g), away - across * normal) +
+                 across * (sheet - g.w) / std::max(double(facet.distance), 0.05);
+        };
+        // Light of cells: of this side, and of the other as far as it faces the same way.
+        struct Sums {
+          double light = 0, area = 0;
+          glm::dvec3 normal{0};
+        };
+        using Sides = std::array<Sums, 2>;
+        const auto add = [&](Sides& sums, std::uint32_t i) {
+          for (int which = 0; which < 2; ++which) {
+            sums[which].light += cut[i].side[which].area * gamma_of(i, which, c);
+            sums[which].area += cut[i].side[which].area;
+            sums[which].normal += glm::dvec3(cut[i].side[which].area_vector);
+          }
+        };
+        const auto mean = [&](const Sides& sums) {
+          const Sums &mine = sums[side], &other = sums[1 - side];
+          const double lengths = glm::length(mine.normal) * glm::length(other.normal);
+          const double alike = lengths > 1e-30 ? std::max(0.0, glm::dot(mine.normal, other.normal) / lengths) : 0;
+          const double share = mine.area > 0 ? alike : 1, area = mine.area + share * other.area;
+          return area > 0 ? (mine.light + share * other.light) / area : 0;
+        };
+        const std::uint32_t own = index(cell);
+        double weights = 0, sum = 0;
+        Sides around, here;
+        if (own != 0) add(here, own);
+        for (int k = 0; k < 27; ++k) {
+          const glm::ivec3 d(k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1);
+          const std::uint32_t i = index(cell + d);
+          if (i == 0) continue;
+          const glm::dvec3 point = glm::dvec3(0.5) - glm::dvec3(d), apart = point - glm::dvec3(cut[i].centre);
+          weights += cut[i].volume / glm::dot(apart, apart);
+          sum += cut[i].volume / glm::dot(apart, apart) * carried(i, point);
+          add(around, i);
+        }
+        double value = 0;
+        int kind = 3;
+        if (own == 0 && size(cell) > 0) {
+          value = fluence(cell, c), kind = 0;
+        } else if (own != 0 && size(cell) >= 0.05f) {
+          value = carried(own, glm::dvec3(0.5)), kind = 1;
+        } else if (weights > 0) {
+          value = sum / weights, kind = 2;
+        }
+        ++kinds[kind];
+        fluence_seen.add(got[4 * at(cell) + rgb], value);
+        gamma_seen.add(got_gamma[4 * at(cell) + rgb], here[side].area > 0 ? mean(here) : mean(around));
       }
-      double value = 0, gamma_here = own != 0 ? gamma[own][c] : area > 0 ? light / area : 0;
-      int kind = 3;
-      if (own == 0 && size(cell) > 0) {
-        value = fluence(cell, c), kind = 0;
-      } else if (own != 0 && size(cell) >= 0.05f) {
-        value = carried(own, glm::dvec3(0.5)), kind = 1;
-      } else if (weights > 0) {
-        value = sum / weights, kind = 2;
-      }
-      ++kinds[kind];
-      fluence_seen.add(got[4 * at(cell) + rgb], std::max(value, 0.0));
-      gamma_seen.add(got_gamma[4 * at(cell) + rgb], gamma_here);
-    }
-    fluence_seen.add(got[4 * at(cell) + 3], 1);
-  });
+      fluence_seen.add(got[4 * at(cell) + 3], 1);
+    });
+  }
   for (std::size_t kind : kinds) EXPECT_GT(kind, 100u);
+  EXPECT_GT(sheets, 10u);
   EXPECT_LT(fluence_seen.apart, 1e-5 * fluence_seen.value);
   EXPECT_LT(gamma_seen.apart, 1e-5 * gamma_seen.value);
 }
 
 class GpuDiffusionSurfaceGrey : public GpuDiffusionSurface {
  protected:
-  GpuDiffusionSurfaceGrey() : GpuDiffusionSurface(1) {}
+  GpuDiffusionSurfaceGrey() : GpuDiffusionSurface(1, 1) {}
 };
 
 TEST_F(GpuDiffusionSurface, ScaleIsThePowerOfTwoAboveTheLargestSource) {
@@ -163,7 +218,8 @@ TEST_F(GpuDiffusionSurface, ScaleIsThePowerOfTwoAboveTheLargestSource) {
   const std::vector<FluenceScale> got = gpu::download<FluenceScale>(context, scale_buffer);
   for (int c = 0; c < 2; ++c) {
     double largest = 0;
-    for (std::size_t i = 1; i < cut.size(); ++i) largest = std::max(largest, q(i, c));
+    for (std::size_t i = sides; i < gamma.size(); ++i)
+      largest = std::max(largest, dsbc_source(double(gamma[i][c]), body.f_dt()));
     EXPECT_GT(got[c].unit, largest);
     EXPECT_LE(got[c].unit, 2 * largest);
     EXPECT_EQ(std::exp2(std::round(std::log2(got[c].unit))), got[c].unit);
@@ -265,6 +321,7 @@ TEST_F(GpuDiffusionSurface, FacetsAndSourceEqualTwin) {
                        {"cut_cells", domain.cut_cells},
                        {"conductances", body.diffusion().facet_conductances()},
                        {"gamma_s", gamma_buffer},
+                       {"facets", body.diffusion().facet_medium()},
                        {"scales", scale_buffer},
                        {"gradients", gradients},
                        {"stencil", body.diffusion().multigrid().finest().stencil},
@@ -300,7 +357,7 @@ TEST_F(GpuDiffusionSurface, FacetsAndSourceEqualTwin) {
           o = carried(i, away - normal * glm::dot(away, normal));
         }
         offset.add(below[c * cut.size() + i], o);
-        b[at(cut[i].cell)] += B[c * cut.size() + i] * (q(i, c) - o) / scales[c].unit;
+        b[at(cut[i].cell)] += B[c * cut.size() + i] * (q(i, c, true) - o) / scales[c].unit;
       }
       // Every face once, what the one side gains the other loses.
       if (corrected)
@@ -358,7 +415,8 @@ TEST_F(GpuDiffusionSurface, EnergyEqualsTwin) {
                      {"phi", pcg.solution()}},
                     LevelPush{n, n, 0});
   commands.dispatch(passes.energy, {256 * channels, 1, 1},
-                    {{"cut_cells", domain.cut_cells},
+                    {{"cut_index", domain.cut_index},
+                     {"cut_cells", domain.cut_cells},
                      {"gamma_s", gamma_buffer},
                      {"facets", body.diffusion().facet_medium()},
                      {"scales", scale_buffer},
@@ -373,14 +431,15 @@ TEST_F(GpuDiffusionSurface, EnergyEqualsTwin) {
     double in = 0, out = 0, absorbed = 0;
     for (std::size_t i = 0; i < volume.size(); ++i)
       absorbed += double(absorption[c * volume.size() + i]) * volume[i] * phi[c * volume.size() + i];
-    for (std::size_t i = 1; i < cut.size(); ++i) {
-      const double area = cut[i].facet.area * h * h, own = fluence(cut[i].cell, c) + offsets[c * cut.size() + i];
-      const double d = std::max(double(cut[i].facet.distance), 0.05) * h / facets[i].kappa[c];
-      // phi_b of phi_b + 2 A kappa (phi_b - phi) / d = q; the query's bracket is what leaves through F_dt / 4.
-      const double surface = (2 * A * own + d * q(i, c)) / (2 * A + d);
-      in += area * gamma[i][c];
-      out += area * body.f_dt() / 4 * query_bracket(surface, double(gamma[i][c]), A, body.f_dt());
-    }
+    for (std::size_t i = 1; i < cut.size(); ++i)
+      for (int side = 0; side < 2; ++side) {
+        const double area = cut[i].side[side].area * h * h, own = fluence(cut[i].cell, c) + offsets[c * cut.size() + i];
+        const double light = gamma_of(i, side, c), boundary = dsbc_source(light, body.f_dt()), d = depth(i, side, c);
+        // phi_b of phi_b + 2 A kappa (phi_b - phi) / d = q; the query's bracket is what leaves through F_dt / 4.
+        const double surface = (2 * A * own + d * boundary) / (2 * A + d);
+        in += area * light;
+        out += area * body.f_dt() / 4 * query_bracket(surface, light, A, body.f_dt());
+      }
     EXPECT_NEAR(got[c].in_, in, 1e-5 * in);
     EXPECT_NEAR(got[c].out_, out, 1e-4 * in);
     EXPECT_NEAR(got[c].absorbed, absorbed, 1e-5 * absorbed);
