@@ -86,7 +86,7 @@ int choose_grid(const Scene& scene, const Request& request, Plan& plan, std::uin
 const char* name_of(Transport transport) { return transport == Transport::report ? "report" : "as-printed"; }
 const char* name_of(Component component) { return component == Component::multiple ? "multiple" : "surface"; }
 
-std::uint64_t bytes_per_cell(int channels) { return 60 + 120 * std::uint64_t(channels); }
+std::uint64_t bytes_per_cell(int channels) { return 100 + 110 * std::uint64_t(channels); }
 
 Plan make_plan(const Scene& scene, const Request& request, std::uint64_t heap_bytes) {
   Plan plan;
