@@ -158,7 +158,12 @@ std::vector<DeviceInfo> list_devices() {
 
 Context::Context(const ContextOptions& options) {
   const char* wish = std::getenv("ALABASTER_VALIDATION");
-  const bool validate = options.validation || (wish && std::strcmp(wish, "1") == 0);
+#ifdef NDEBUG
+  constexpr bool debug = false;
+#else
+  const bool debug = has_layer(validation_layer);
+#endif
+  const bool validate = options.validation || debug || (wish && std::strcmp(wish, "1") == 0);
   instance_ = create_instance(validate, options.instance_extensions);
   if (validate) {
     VkDebugUtilsMessengerCreateInfoEXT info{VK_STRUCTURE_TYPE_DEBUG_UTILS_MESSENGER_CREATE_INFO_EXT};

@@ -33,7 +33,7 @@ struct DeviceInfo {
 
 struct ContextOptions {
   std::string device;         // part of a device's name, any case; empty: the best one (GPU before CPU)
-  bool validation = false;    // also switched on by ALABASTER_VALIDATION=1 in the environment
+  bool validation = false;    // also on in debug builds and with ALABASTER_VALIDATION=1 in the environment
   bool presentation = false;  // ask for the swapchain extension and the surface extensions below
   std::vector<const char*> instance_extensions;
 };
