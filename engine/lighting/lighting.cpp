@@ -8,7 +8,7 @@
 
 namespace alabaster {
 
-static_assert(sizeof(Receiver) == 28 && sizeof(LightPoint) == 48 && sizeof(ShadowView) == 68 &&
+static_assert(sizeof(Receiver) == 28 && sizeof(LightPoint) == 56 && sizeof(ShadowView) == 68 &&
               sizeof(LightingHeader) == 28);
 
 namespace {
@@ -68,15 +68,18 @@ void Lighting::make_views(const Scene& scene, const LightSettings& settings) {
   };
   std::vector<LightPoint> points;
   for (const LightSample& sample : samples_.area) {
+    const std::uint32_t first = static_cast<std::uint32_t>(views.size());
     double nearest = INFINITY;
     for (std::size_t i = 0; i < meshes_.ranges.size(); ++i)
       if (static_cast<int>(i) != sample.object && meshes_.ranges[i].count)
         nearest = std::min(nearest, distance(meshes_.ranges[i].bounds, sample.position));
     if (!std::isfinite(nearest)) nearest = 0;
-    const std::uint32_t first = static_cast<std::uint32_t>(views.size());
-    for (const ShadowView& view : point_views(sample, focus, nearest, settings.map_size)) add(view, sample.object);
+    if (sample.kind == light_directional)
+      add(direction_view(-sample.normal, focus, everything, settings.map_size), -1);
+    else
+      for (const ShadowView& view : point_views(sample, focus, nearest, settings.map_size)) add(view, sample.object);
     points.push_back({sample.position, sample.normal, sample.intensity, first,
-                      static_cast<std::uint32_t>(views.size()) - first, sample.two_sided});
+                      static_cast<std::uint32_t>(views.size()) - first, sample.kind, sample.cone});
   }
   const LightingHeader header{
       static_cast<std::uint32_t>(points.size()), static_cast<std::uint32_t>(samples_.directions.size()),

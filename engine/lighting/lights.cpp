@@ -4,25 +4,29 @@
 #include <cmath>
 #include <numeric>
 
+#include "lighting/shadow_views.h"
 #include "scene/error.h"
-#include "shared/lighting.h"
 
 namespace alabaster {
 namespace {
 
 constexpr int most_samples = most_light_points;
+constexpr int most_of_punctual = 8;
 
 struct Light {
-  int object;
-  std::vector<double> area_below;  // m^2; running sum over triangles
+  int object = -1;  // or
+  const PunctualLight* punctual = nullptr;
+  std::vector<double> area_below;  // m^2; running sum over an object's triangles
   double area() const { return area_below.back(); }
   double power = 0;  // W up to a common factor
   int samples = 1;
+  int most = most_samples;
 };
 
 Light make_light(const Scene& scene, int index) {
   const Object& object = scene.objects[index];
-  Light light{index, {}};
+  Light light;
+  light.object = index;
   double sum = 0;
   for (const glm::uvec3& t : object.mesh.triangles) {
     const glm::dvec3 a = object.mesh.positions[t.x], b = object.mesh.positions[t.y], c = object.mesh.positions[t.z];
@@ -30,6 +34,20 @@ Light make_light(const Scene& scene, int index) {
   }
   const glm::dvec3 radiance = object.radiance;
   if (sum > 0) light.power = sum * (radiance.r + radiance.g + radiance.b) * (object.two_sided ? 2 : 1);
+  return light;
+}
+
+/// `power` in the unit of make_light(): a patch of radiance L and area S has L S, so an intensity I into a solid angle
+/// W counts I W / pi. Of a directional light counts what falls on the disc that `focus` shows it.
+Light make_punctual(const PunctualLight& punctual, const Focus& focus) {
+  Light light;
+  light.punctual = &punctual;
+  const double sum = double(punctual.intensity.r) + double(punctual.intensity.g) + double(punctual.intensity.b);
+  const double half = 0.5 * (punctual.inner_cone + punctual.outer_cone);
+  light.power = sum * (punctual.kind == PunctualLight::Kind::point  ? 4
+                       : punctual.kind == PunctualLight::Kind::spot ? 2 * (1 - std::cos(half))
+                                                                    : focus.radius * focus.radius);
+  light.most = punctual.radius > 0 ? most_of_punctual : 1;
   return light;
 }
 
@@ -41,13 +59,14 @@ void share_out(std::vector<Light>& lights, int samples) {
   std::vector<std::pair<double, std::size_t>> remainders;
   int given = 0;
   for (std::size_t i = 0; i < lights.size(); ++i) {
-    const double share = spare * lights[i].power / power;
+    const double share = spare * lights[i].power / std::max(power, 1e-300);
     lights[i].samples = 1 + static_cast<int>(share);
     given += static_cast<int>(share);
     remainders.push_back({std::floor(share) - share, i});
   }
   std::sort(remainders.begin(), remainders.end());
   for (int i = 0; i < spare - given; ++i) ++lights[remainders[i % remainders.size()].second].samples;
+  for (Light& light : lights) light.samples = std::min(light.samples, light.most);
 }
 
 /// Golden-ratio sequence: with i / n it makes a Fibonacci lattice, the evenest there is in two dimensions.
@@ -71,12 +90,47 @@ LightSample sample_point(const Light& light, const Object& object, int i, int n)
   sample.position = (1 - root) * a + root * (1 - u.y) * b + root * u.y * c;
   sample.normal = glm::normalize(glm::cross(b - a, c - a));
   sample.intensity = object.radiance * static_cast<float>(light.area() / n);
-  sample.two_sided = object.two_sided;
+  sample.kind = object.two_sided ? light_two_sided : light_one_sided;
   sample.object = light.object;
   return sample;
 }
 
+/// Point i of n on the disc that a punctual light shows to `target`, evenly spread and of equal weight.
+LightSample sample_point(const PunctualLight& light, glm::dvec3 target, int i, int n) {
+  using Kind = PunctualLight::Kind;
+  LightSample sample;
+  sample.kind = light.kind == Kind::point ? light_point : light.kind == Kind::spot ? light_spot : light_directional;
+  sample.position = light.position;
+  sample.normal = light.direction;
+  sample.intensity = light.intensity / static_cast<float>(n);
+  sample.cone = spot_cone(light);
+  if (n == 1) return sample;
+
+  const bool far = light.kind == Kind::directional;
+  const glm::dvec3 way = far ? glm::dvec3(light.direction) : target - glm::dvec3(light.position);
+  const glm::dvec3 forward = glm::length(way) > 0 ? glm::normalize(way) : glm::dvec3(0, 0, 1);
+  const glm::dvec3 aside = std::abs(forward.x) < 0.6 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0);
+  const glm::dvec3 u = glm::normalize(glm::cross(aside, forward)), v = glm::cross(forward, u);
+  const double share = (i + 0.5) / n, turn = 2.399963229728653 * i;  // golden angle
+  const glm::dvec3 rim = std::cos(turn) * u + std::sin(turn) * v;
+  if (!far) {
+    sample.position += glm::vec3(light.radius * std::sqrt(share) * rim);
+    return sample;
+  }
+  // Even in solid angle; the mean cosine of the disc, (1 + cos radius) / 2, is made up for.
+  const double cosine = 1 - share * (1 - std::cos(light.radius));
+  sample.normal = glm::normalize(cosine * forward + std::sqrt(1 - cosine * cosine) * rim);
+  sample.intensity *= static_cast<float>(2 / (1 + std::cos(light.radius)));
+  return sample;
+}
+
 }  // namespace
+
+SpotCone spot_cone(const PunctualLight& light) {
+  const double inner = std::cos(light.inner_cone), outer = std::cos(light.outer_cone);
+  const double scale = 1 / std::max(1e-3, inner - outer);
+  return {static_cast<float>(scale), static_cast<float>(-outer * scale)};
+}
 
 LightSamples sample_lights(const Scene& scene, int samples, int directions) {
   if (samples < 1 || samples > most_samples || directions < 0 || directions > most_samples)
@@ -89,15 +143,19 @@ LightSamples sample_lights(const Scene& scene, int samples, int directions) {
       Light light = make_light(scene, static_cast<int>(i));
       if (light.power > 0) lights.push_back(std::move(light));
     }
+  const Focus focus = scene.lights.empty() ? Focus{} : shadow_focus(scene);
+  for (const PunctualLight& punctual : scene.lights)
+    if (punctual.intensity != glm::vec3(0)) lights.push_back(make_punctual(punctual, focus));
 
   LightSamples result;
   result.environment = scene.environment.radiance;
   if (!lights.empty()) share_out(lights, samples);
   for (const Light& light : lights)
     for (int i = 0; i < light.samples; ++i)
-      result.area.push_back(sample_point(light, scene.objects[light.object], i, light.samples));
+      result.area.push_back(light.punctual ? sample_point(*light.punctual, focus.centre, i, light.samples)
+                                           : sample_point(light, scene.objects[light.object], i, light.samples));
   if (result.area.size() > most_samples)
-    throw UserError(scene.path + ": " + std::to_string(lights.size()) + " emissive meshes where " +
+    throw UserError(scene.path + ": " + std::to_string(lights.size()) + " emissive meshes and lights where " +
                     std::to_string(most_samples) + " are the most; join some of them");
 
   if (result.environment == glm::vec3(0)) return result;

@@ -67,6 +67,12 @@ double half_edge(const Focus& focus, const Axes& axes) {
 /// Room for the texels beside the outermost point that the 2x2 filter and the shift along the normal reach.
 double with_margin(double half_width, int map_size) { return half_width * (1 + 8.0 / map_size); }
 
+/// Of a spot's outer half angle; infinite from 90 degrees on.
+double cone_tangent(SpotCone cone) {
+  const double cosine = -double(cone.offset) / double(cone.scale);
+  return cosine > 0 ? std::sqrt(std::max(0.0, 1 - cosine * cosine)) / cosine : INFINITY;
+}
+
 }  // namespace
 
 Focus shadow_focus(const Scene& scene) {
@@ -94,20 +100,23 @@ std::vector<ShadowView> point_views(const LightSample& sample, const Focus& focu
   const glm::dvec3 eye = sample.position, normal = sample.normal;
   const glm::dvec3 way = focus.centre - eye;
   const double distance = glm::length(way);
-  if (!sample.two_sided && glm::dot(way, normal) < -focus.radius) return {};
+  if (sample.kind == light_one_sided && glm::dot(way, normal) < -focus.radius) return {};
   const double near = std::max(0.5 * nearest, 1e-3 * std::max(distance, focus.radius));
   constexpr double widest = 0.8660254037844386;  // sine of 60 degrees
-  if (focus.radius < widest * distance) {
-    const Axes axes = axes_along(way / distance);
-    const double tangent = focus.points.empty()
-                               ? focus.radius / std::sqrt(distance * distance - focus.radius * focus.radius)
-                               : half_tangent(focus, eye, axes);
-    return {perspective(eye, axes, with_margin(tangent, map_size), near)};
-  }
+  constexpr double widest_tangent = 1.7320508075688772;
+  const double cone = sample.kind == light_spot ? cone_tangent(sample.cone) : INFINITY;
+  double tangent = INFINITY;
+  const Axes axes = axes_along(way / std::max(distance, 1e-30));
+  if (focus.radius < widest * distance)
+    tangent = focus.points.empty() ? focus.radius / std::sqrt(distance * distance - focus.radius * focus.radius)
+                                   : half_tangent(focus, eye, axes);
+  if (cone < std::min(tangent, widest_tangent))
+    return {perspective(eye, axes_along(normal), with_margin(cone, map_size), near * 0.5)};
+  if (std::isfinite(tangent)) return {perspective(eye, axes, with_margin(tangent, map_size), near)};
   // A face of the cube reaches 1 / sqrt(3) of its far corner's distance, and so does its near plane.
   const Axes a = axes_along(normal);
   std::vector<glm::dvec3> faces = {a.forward, a.right, -a.right, a.down, -a.down};
-  if (sample.two_sided) faces.push_back(-a.forward);
+  if (sample.kind == light_two_sided || sample.kind == light_point) faces.push_back(-a.forward);
   std::vector<ShadowView> views;
   for (const glm::dvec3& face : faces)
     views.push_back(perspective(eye, axes_along(face), with_margin(1, map_size), near * 0.57));

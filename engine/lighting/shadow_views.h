@@ -20,9 +20,10 @@ struct Focus {
 /// light as long as that at most doubles the radius.
 Focus shadow_focus(const Scene& scene);
 
-/// Maps of one area sample: one that looks at `focus`, or, where the sample lies so near that this would be wider than
-/// 120 degrees, the five or six faces of a cube around it. None where all of `focus` is behind a one-sided light.
-/// `nearest` is the distance of the nearest caster, m: nothing in front of the near plane casts.
+/// Maps of one sample, not a directional one: one that looks at `focus` (a narrow spot's: along its axis), or, where
+/// the sample lies so near that this would be wider than 120 degrees, the five or six faces of a cube around it. None
+/// where all of `focus` is behind a one-sided light. `nearest` is the distance of the nearest caster, m: nothing in
+/// front of the near plane casts.
 std::vector<ShadowView> point_views(const LightSample& sample, const Focus& focus, double nearest, int map_size);
 
 /// Orthographic map of light that comes from direction `from`; `scene` bounds all casters.

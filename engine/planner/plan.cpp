@@ -35,6 +35,8 @@ bool is_grey(const Scene& scene) {
     if (!is_grey(m.homogeneous.sigma_s) || !is_grey(m.homogeneous.sigma_a)) return false;
     if (m.heterogeneous() && (m.sigma_t->channels > 1 || m.albedo->channels > 1)) return false;
   }
+  for (const PunctualLight& light : scene.lights)
+    if (!is_grey(light.intensity)) return false;
   return is_grey(scene.environment.radiance);
 }
 

@@ -33,20 +33,20 @@ bool bend(const World& world, const Inside& inside, const Hit& hit, glm::vec3 la
 }  // namespace
 
 LightGuide::LightGuide(const World& world, glm::vec3 point, const Inside& inside, std::uint32_t emitter) {
-  const Body& body = world.body(emitter);
-  const glm::vec3 way = body.centre - point;
+  const LightDisc disc = world.disc(emitter);
+  const glm::vec3 way = disc.centre - point;
   const float distance = glm::length(way);
-  useful_ = distance > body.radius;
+  useful_ = distance > disc.radius;
   if (!useful_) return;
   axis_ = way / distance;
   for (int step = 0; step < steps; ++step) {
     Hit hit;
     if (!world.next_surface(point, axis_, 2 * distance, inside, {}, hit)) break;
     if (world.body(hit.where.object).role != Role::translucent) break;
-    if (!bend(world, inside, hit, body.centre, axis_)) break;
+    if (!bend(world, inside, hit, disc.centre, axis_)) break;
   }
-  picked_ = body.light_share;
-  narrow_ = 1 - std::min(1.0f, of_radius * body.radius / distance + roughness);
+  picked_ = disc.share;
+  narrow_ = 1 - std::min(1.0f, of_radius * disc.radius / distance + roughness);
 }
 
 float LightGuide::density(glm::vec3 direction) const {

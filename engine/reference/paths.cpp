@@ -30,6 +30,7 @@ struct Path {
   float ball_radius = 0;
   // For the layers.
   int scatterings = 0, entries = 0;
+  bool scattered = false;  // in a medium or by an opaque surface
   bool met_surface = false, first_translucent = false, mirrored_first = false;
 
   glm::vec3 weight() const { return throughput * (3.0f / (densities.x + densities.y + densities.z)); }
@@ -136,7 +137,11 @@ class Tracer {
 
   Event advance(Path& path, Hit& hit) {
     const FlatMedium* medium = medium_of(path.inside);
-    if (!medium) return cast(path, INFINITY, hit) ? Event::surface : Event::escape;
+    if (!medium) {
+      const bool met = cast(path, INFINITY, hit);
+      meet_lamps(path, met ? hit.distance : INFINITY);
+      return met ? Event::surface : Event::escape;
+    }
     return medium->gridded() ? advance_in_grid(path, *medium, hit) : advance_in_homogeneous(path, *medium, hit);
   }
 
@@ -292,6 +297,21 @@ class Tracer {
     collect(path, share * body.radiance);
   }
 
+  // Lamps outside all media that the path passes within `limit`. Looking for them straight has found all their light.
+  void meet_lamps(const Path& path, float limit) {
+    if (!path.scattered || path.sight == Path::Sight::straight) return;
+    for (std::size_t i = 0; i < world_.lamps().size(); ++i) {
+      const glm::vec3 seen = world_.lamps()[i].seen(path.origin, path.direction, limit);
+      if (seen == glm::vec3(0)) continue;
+      float share = 1;
+      if (path.sight == Path::Sight::guided) {
+        const LightGuide guide(world_, path.vertex, path.vertex_inside, world_.lamp_id(i));
+        share = path.direction_density / (path.direction_density + guide.density(path.vertex_direction));
+      }
+      collect(path, share * seen);
+    }
+  }
+
   bool reflect_diffusely(Path& path, const Hit& hit, const Body& body) {
     const glm::vec3 n = glm::dot(path.direction, hit.normal) < 0 ? hit.normal : -hit.normal;
     path.throughput *= body.albedo;
@@ -310,6 +330,7 @@ class Tracer {
   // Next-event estimation at the path's origin. `lobe` gives (value, density) of a direction, 1/sr.
   template <class Lobe>
   void see_lights(Path& path, Lobe lobe) {
+    path.scattered = true;
     path.sight = !world_.has_lights()         ? Path::Sight::none
                  : !behind_glass(path.inside) ? Path::Sight::straight
                  : world_.guided(path.inside) ? Path::Sight::guided
@@ -324,15 +345,17 @@ class Tracer {
       asked = std::min(1.0f, 2 * std::exp(-depth));
       if (asked < 1 && random_.uniform() >= asked) return;
     }
-    const LightPoint light = world_.sample_light(random_);
+    const LightPick light = world_.sample_light(random_);
     if (path.sight == Path::Sight::guided)
-      see_guided(path, light.object, asked, lobe);
+      see_guided(path, light.lamp == nothing ? light.object : world_.lamp_id(light.lamp), asked, lobe);
+    else if (light.lamp != nothing)
+      see_lamp(path, world_.lamps()[light.lamp], asked, lobe);
     else
       see_straight(path, light, asked, lobe);
   }
 
   template <class Lobe>
-  void see_straight(Path& path, const LightPoint& light, float asked, Lobe lobe) {
+  void see_straight(Path& path, const LightPick& light, float asked, Lobe lobe) {
     const Body& body = world_.body(light.object);
     const glm::vec3 way = light.point - path.origin;
     const float square = glm::dot(way, way), distance = std::sqrt(square);
@@ -350,6 +373,18 @@ class Tracer {
         path.weight() * body.radiance * arrives * (share * value_density.x / (light_density * asked * n * n));
   }
 
+  template <class Lobe>
+  void see_lamp(const Path& path, const Lamp& lamp, float asked, Lobe lobe) {
+    const Lamp::Arrival light = lamp.sample(path.origin, random_);
+    if (light.irradiance == glm::vec3(0)) return;
+    const float value = lobe(light.direction).x;
+    if (value <= 0) return;
+    const float n = world_.index_in(path.inside);
+    sample_.radiance[static_cast<std::size_t>(path.layer())] +=
+        path.weight() * light.irradiance * transmittance(path, light.direction, light.distance, nothing) *
+        (value / (lamp.share * asked * n * n));
+  }
+
   // Where surfaces bend light: a direction towards the lamp's image, and whatever mirroring and refraction bring from
   // there. Chance finds the same ways, with the lobe's density of their first direction.
   template <class Lobe>
@@ -365,11 +400,15 @@ class Tracer {
     shoot(ray, lamp);
   }
 
-  // Follows an unscattered way to `lamp`, if that is where it leads.
+  // Follows an unscattered way to the light `lamp` (World::lamp_id), if that is where it leads.
   void shoot(Path& ray, std::uint32_t lamp) {
     while (++sample_.events <= most_events) {
       Hit hit;
-      if (!cast(ray, INFINITY, hit)) return;
+      const bool met = cast(ray, INFINITY, hit);
+      if (lamp >= world_.lamp_id(0) && !medium_of(ray.inside))
+        collect(ray, world_.lamps()[lamp - world_.lamp_id(0)].seen(ray.origin, ray.direction,
+                                                                   met ? hit.distance : INFINITY));
+      if (!met) return;
       const Body& body = world_.body(hit.where.object);
       const bool arrived = hit.where.object == lamp;
       if (!arrived && body.role != Role::translucent) return;

@@ -153,6 +153,10 @@ std::uint64_t fingerprint_of(const void* data, std::size_t bytes, std::uint64_t 
 
 std::uint64_t fingerprint_of(const Scene& scene) {
   std::uint64_t hash = hash_of(scene.environment.radiance, 0xcbf29ce484222325u);
+  for (const PunctualLight& light : scene.lights) {
+    hash = hash_of(light.kind, hash_of(light.intensity, hash_of(light.position, hash_of(light.direction, hash))));
+    hash = hash_of(light.inner_cone, hash_of(light.outer_cone, hash_of(light.radius, hash)));
+  }
   for (const Object& o : scene.objects) {
     hash = hash_of(o.mesh.positions, hash_of(o.mesh.triangles, hash_of(o.role, hash)));
     hash = hash_of(o.medium.homogeneous.sigma_s, hash_of(o.medium.homogeneous.sigma_a, hash_of(o.medium.g, hash)));

@@ -64,12 +64,14 @@ World::World(const Scene& scene, Guiding guiding)
   nudge_ = 1e-6f * reach;
   rtcCommitScene(scene_.get());
   for (std::uint32_t id = 0; id < bodies_.size(); ++id) add_lights(id);
+  add_lamps(scene);
   const double power = light_weights_.empty() ? 1 : light_weights_.back();
   for (double& weight : light_weights_) weight /= power;
   for (Body& body : bodies_) {
     body.light_density = static_cast<float>(static_cast<double>(largest(body.radiance)) / power);
     body.light_share /= static_cast<float>(power);
   }
+  for (Lamp& lamp : lamps_) lamp.share /= static_cast<float>(power);
   for (std::uint32_t id = 0; id < bodies_.size(); ++id)
     bodies_[id].guided = guiding == Guiding::always || (guiding == Guiding::automatic &&
                                                         chance_of_light(shapes_[id].bounds.centre()) < worth_guiding);
@@ -147,6 +149,32 @@ void World::add_lights(std::uint32_t id) {
   body.light_share = static_cast<float>(light_weights_.back() - before);
 }
 
+// Weighted as light_triangles_ are, by intensity along the normal; a directional light as a point light that would give
+// the same at twice the scene's size.
+void World::add_lamps(const Scene& scene) {
+  Bounds bounds;
+  bool bends = false;
+  for (const Object& object : scene.objects) {
+    bends = bends || (object.role == Role::translucent && object.eta != 1);
+    if (object.role == Role::translucent)
+      for (const glm::vec3& p : object.mesh.positions) bounds.add(p);
+  }
+  if (bounds.low.x > bounds.high.x)
+    for (const Shape& shape : shapes_) bounds.add(shape.bounds.low), bounds.add(shape.bounds.high);
+  for (const PunctualLight& light : scene.lights) {
+    if (light.intensity == glm::vec3(0)) continue;
+    if (bends && light.radius <= 0)
+      throw UserError(scene.path + ": light '" + light.name +
+                      "' has no extent, and paths cannot find it behind a surface that bends light; give it " +
+                      (light.kind == PunctualLight::Kind::directional ? "extras.angular_radius" : "extras.radius") +
+                      " above 0, or the objects KHR_materials_ior 1");
+    Lamp& lamp = lamps_.emplace_back(light, bounds);
+    const float size = glm::length(bounds.size());
+    lamp.share = largest(light.intensity) * (lamp.far() ? 4 * size * size : 1);
+    light_weights_.push_back((light_weights_.empty() ? 0.0 : light_weights_.back()) + static_cast<double>(lamp.share));
+  }
+}
+
 // (mean radiance)^2 / (mean squared radiance) over the sphere of directions, seen without occlusion: 1 in uniform
 // light, the solid angle's share for one lamp. Its inverse is the variance of meeting light by chance.
 float World::chance_of_light(glm::vec3 from) const {
@@ -163,18 +191,30 @@ float World::chance_of_light(glm::vec3 from) const {
     mean += share * radiance;
     square += share * radiance * radiance;
   }
+  for (const Lamp& lamp : lamps_) {
+    const glm::vec3 way = lamp.centre - from;
+    const float share = std::min(0.5f, lamp.radius * lamp.radius / std::max(glm::dot(way, way), 1e-20f) / 4);
+    const float radiance = largest(lamp.radiance);
+    mean += share * radiance;
+    square += share * radiance * radiance;
+  }
   return square > 0 ? mean * mean / square : 1;
 }
 
-LightPoint World::sample_light(Random& random) const {
+LightPick World::sample_light(Random& random) const {
   const auto pick =
       std::upper_bound(light_weights_.begin(), light_weights_.end(), static_cast<double>(random.uniform()));
-  const Leaving at =
-      light_triangles_[std::min(static_cast<std::size_t>(pick - light_weights_.begin()), light_triangles_.size() - 1)];
+  const std::size_t picked =
+      std::min(static_cast<std::size_t>(pick - light_weights_.begin()), light_weights_.size() - 1);
+  LightPick light;
+  if (picked >= light_triangles_.size()) {
+    light.lamp = static_cast<std::uint32_t>(picked - light_triangles_.size());
+    return light;
+  }
+  const Leaving at = light_triangles_[picked];
   const Shape& shape = shapes_[at.object];
   const glm::uvec3 t = shape.mesh.triangles[at.triangle];
   const float root = std::sqrt(random.uniform()), v = random.uniform() * root;
-  LightPoint light;
   light.point =
       (1 - root) * shape.mesh.positions[t.x] + (root - v) * shape.mesh.positions[t.y] + v * shape.mesh.positions[t.z];
   light.normal = shape.normals[at.triangle];

@@ -11,6 +11,7 @@
 
 #include "reference/distance_grid.h"
 #include "reference/guiding.h"
+#include "reference/lamps.h"
 #include "reference/media.h"
 #include "reference/random.h"
 #include "scene/scene.h"
@@ -71,9 +72,18 @@ struct Hit {
   glm::vec3 normal{0};  // unit, the mesh's outside
 };
 
-struct LightPoint {
-  glm::vec3 point, normal;
+/// What next-event estimation looks at: a point of an emissive mesh, or a lamp.
+struct LightPick {
+  glm::vec3 point{0}, normal{0};
   std::uint32_t object = nothing;
+  std::uint32_t lamp = nothing;
+};
+
+/// The disc that a light shows, for guides.
+struct LightDisc {
+  glm::vec3 centre{0};  // m
+  float radius = 0;     // m
+  float share = 0;      // probability that World::sample_light() picks this light
 };
 
 class World {
@@ -101,7 +111,15 @@ class World {
   float index_in(const Inside& inside) const { return inside.empty() ? 1.0f : bodies_[inside.top()].eta; }
   bool guided(const Inside& inside) const { return !inside.empty() && bodies_[inside.top()].guided; }
   bool has_lights() const { return !light_weights_.empty(); }
-  LightPoint sample_light(Random& random) const;
+  LightPick sample_light(Random& random) const;
+  const std::vector<Lamp>& lamps() const { return lamps_; }
+  /// Lights are numbered: emissive objects as objects are, then the lamps.
+  std::uint32_t lamp_id(std::size_t lamp) const { return static_cast<std::uint32_t>(bodies_.size() + lamp); }
+  LightDisc disc(std::uint32_t light) const {
+    if (light < bodies_.size()) return {bodies_[light].centre, bodies_[light].radius, bodies_[light].light_share};
+    const Lamp& lamp = lamps_[light - bodies_.size()];
+    return {lamp.centre, lamp.radius, lamp.share};
+  }
   /// Whether a point cannot be inside `object`: its bounds do not hold it.
   bool surely_outside(std::uint32_t object, glm::vec3 point) const {
     const Bounds& bounds = shapes_[object].bounds;
@@ -125,6 +143,7 @@ class World {
   static void accept_or_reject(const RTCFilterFunctionNArguments* call);
   void add_geometry(std::uint32_t id);
   void add_lights(std::uint32_t id);
+  void add_lamps(const Scene& scene);
   void measure_distances(std::uint32_t id);
   float chance_of_light(glm::vec3 from) const;
 
@@ -136,7 +155,8 @@ class World {
   glm::vec3 environment_{0};
   float nudge_ = 0;
   std::vector<Leaving> light_triangles_;
-  std::vector<double> light_weights_;  // cumulative, ends at 1
+  std::vector<Lamp> lamps_;
+  std::vector<double> light_weights_;  // cumulative, ends at 1: the triangles, then the lamps
 };
 
 }  // namespace alabaster

@@ -14,6 +14,7 @@
 #include "scene/material.h"
 #include "scene/mesh_check.h"
 #include "scene/primitive.h"
+#include "scene/punctual.h"
 #include "scene/shapes.h"
 
 namespace alabaster {
@@ -141,9 +142,8 @@ class Builder {
   Scene build() {
     read_environment();
     for (int root : roots()) walk(root);
-    if (!model_.lights.empty())
-      scene_.warnings.push_back("KHR_lights_punctual: point, spot and directional lights are ignored for now");
     check();
+    give_extent(scene_);
     return std::move(scene_);
   }
 
@@ -187,6 +187,7 @@ class Builder {
       glm::dmat4 to_world = visit.parent * local_transform(node);
       if (!finite(to_world)) fail("node '" + name + "': its transform is not finite; give finite numbers");
       if (node.mesh >= 0) add_mesh(node.mesh, node.name, to_world);
+      add_light(visit.node, node.name, to_world);
       if (node.camera >= 0) add_camera(node.camera, node.name, to_world);
       for (auto child = node.children.rbegin(); child != node.children.rend(); ++child)
         stack.push_back({*child, to_world});
@@ -271,6 +272,25 @@ class Builder {
                                 " triangles without area dropped");
   }
 
+  void add_light(int node_index, const std::string& node_name, const glm::dmat4& to_world) {
+    const std::string extension = "KHR_lights_punctual";
+    const Fields extensions = document_.fields("nodes", node_index, "node '" + node_name + "'").child("extensions");
+    if (!extensions.has(extension)) return;
+    const double index = extensions.child(extension).number("light");
+    const json none = json::object();
+    const json& root = document_.root.contains("extensions") ? document_.root["extensions"] : none;
+    const json& all = root.contains(extension) ? root[extension] : none;
+    const json& list = all.contains("lights") ? all["lights"] : none;
+    if (!list.is_array() || !(index >= 0 && index < double(list.size())))
+      fail("node '" + node_name + "' has a light whose index is out of range; export the file again");
+    const json& source = list[std::size_t(index)];
+    std::string name = node_name;
+    if (name.empty()) name = source.value("name", "light " + std::to_string(int(index)));
+    scene_.lights.push_back(
+        read_punctual(Fields(source, document_.path, "light '" + name + "' "), to_world, scene_.warnings));
+    scene_.lights.back().name = name;
+  }
+
   void add_camera(int index, const std::string& node_name, const glm::dmat4& to_world) {
     if (std::size_t(index) >= model_.cameras.size())
       fail("camera index " + std::to_string(index) + " is out of range; export the file again");
@@ -312,7 +332,11 @@ class Builder {
     if (scene_.cameras.empty()) fail("there is no camera; put a perspective camera into the scene");
     bool lit = scene_.environment.radiance != glm::vec3(0);
     for (const Object& object : scene_.objects) lit |= object.role == Role::emissive && area(object.mesh) > 0;
-    if (!lit) fail("there is no light; give a mesh an emissiveFactor or set scene.extras.environment.radiance");
+    for (const PunctualLight& light : scene_.lights) lit |= light.intensity != glm::vec3(0);
+    if (!lit)
+      fail(
+          "there is no light; add one (KHR_lights_punctual), give a mesh an emissiveFactor or set "
+          "scene.extras.environment.radiance");
   }
 
   const Document& document_;

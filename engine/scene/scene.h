@@ -84,9 +84,27 @@ struct Environment {
   glm::vec3 radiance{0};  // W/m^2/sr, the same in every direction
 };
 
+/// A light without a mesh (KHR_lights_punctual). It is nowhere seen itself, nor in mirroring surfaces; it lights what
+/// scatters. It has a small extent, so that paths find it behind a surface that bends light, where a point or a single
+/// direction is met with probability 0. A far surface that faces all of it gets exactly what the ideal light would send.
+struct PunctualLight {
+  enum class Kind { point, spot, directional };
+  std::string name;
+  Kind kind = Kind::point;
+  glm::vec3 intensity{0};         // point, spot: W/sr, a spot's on its axis; directional: W/m^2 across its way
+  glm::vec3 position{0};          // m; point, spot
+  glm::vec3 direction{0, 0, -1};  // unit, where a spot or directional light shines
+  double inner_cone = 0;          // spot: radians off its axis up to which it is undiminished
+  double outer_cone = 0.7853981633974483;  // spot: and from which on it is dark
+  // Point, spot: m, of the sphere whose every point shines alike; directional: radians, half the angle of the disc in
+  // the sky. 0 is an ideal light, which the path tracer refuses where a surface bends its light.
+  double radius = 0;
+};
+
 struct Scene {
   std::string path;
   std::vector<Object> objects;
+  std::vector<PunctualLight> lights;
   std::vector<Camera> cameras;
   Environment environment;
   std::vector<std::string>

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <glm/gtc/quaternion.hpp>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
@@ -45,6 +46,31 @@ class Writer {
     json matrix = json::array();
     for (int i = 0; i < 16; ++i) matrix.push_back(camera.to_world[i / 4][i % 4]);
     add_node({{"name", camera.name}, {"camera", index}, {"matrix", matrix}});
+  }
+
+  void add(const PunctualLight& light) {
+    using Kind = PunctualLight::Kind;
+    const bool far = light.kind == Kind::directional;
+    const double most = std::max({light.intensity.r, light.intensity.g, light.intensity.b});
+    json out = {{"name", light.name},
+                {"type", light.kind == Kind::point ? "point"
+                         : far                     ? "directional"
+                                                   : "spot"},
+                {"color", triple(most > 0 ? glm::dvec3(light.intensity) / most : glm::dvec3(1))},
+                {"intensity", most},
+                {"extras", {{far ? "angular_radius" : "radius", light.radius}}}};
+    if (light.kind == Kind::spot)
+      out["spot"] = {{"innerConeAngle", light.inner_cone}, {"outerConeAngle", light.outer_cone}};
+    const std::string extension = "KHR_lights_punctual";
+    json& list = root_["extensions"][extension]["lights"];
+    list.push_back(std::move(out));
+    use(extension);
+    const glm::dvec3 to = light.direction, up = std::abs(to.y) < 0.9 ? glm::dvec3(0, 1, 0) : glm::dvec3(1, 0, 0);
+    const glm::dquat turn = glm::quatLookAt(to, up);
+    add_node({{"name", light.name},
+              {"translation", triple(light.position)},
+              {"rotation", {turn.x, turn.y, turn.z, turn.w}},
+              {"extensions", {{extension, {{"light", list.size() - 1}}}}}});
   }
 
   void add(const Environment& environment) {
@@ -93,6 +119,10 @@ class Writer {
 
   void extend(json& material, const std::string& name, json value) {
     material["extensions"][name] = std::move(value);
+    use(name);
+  }
+
+  void use(const std::string& name) {
     if (std::find(used_.begin(), used_.end(), name) == used_.end()) used_.push_back(name);
   }
 
@@ -157,6 +187,7 @@ void write_gltf(const Scene& scene, const std::string& path) {
   Writer writer(path);
   for (const Object& object : scene.objects) writer.add(object);
   for (const Camera& camera : scene.cameras) writer.add(camera);
+  for (const PunctualLight& light : scene.lights) writer.add(light);
   writer.add(scene.environment);
   writer.write();
 }

@@ -20,24 +20,31 @@ float look_up(uint view, vec3 position, vec3 normal, float slack, out bool insid
   return texture(shadow_maps, vec4(0.5 * p.xy + 0.5, view, p.z));
 }
 
+// Unit direction from `position` to a sample; `distance2` is what its intensity falls with, m^2, or 1.
+vec3 way_to(LightPoint light, vec3 position, out float distance2) {
+  distance2 = 1;
+  if (light.kind == light_directional) return -light.normal;
+  const vec3 way = light.position - position;
+  distance2 = dot(way, way);
+  return way * inversesqrt(max(distance2, 1e-30));
+}
+
 vec3 gather_points(vec3 position, vec3 normal, float slack, float eta) {
   vec3 sum = vec3(0);
   for (uint i = 0; i < lighting.points; ++i) {
     const LightPoint light = points[i];
-    const vec3 to_light = light.position - position;
-    const float distance2 = dot(to_light, to_light);
-    const vec3 w = to_light * inversesqrt(max(distance2, 1e-30));
+    float distance2;
+    const vec3 w = way_to(light, position, distance2);
     const float cos_receiver = dot(normal, w);
-    const float cos_front = -dot(light.normal, w);
-    const float cos_light = light.two_sided != 0 ? abs(cos_front) : cos_front;
-    if (cos_receiver <= 0 || cos_light <= 0) continue;
+    const float sent = light_share(light.kind, -dot(light.normal, w), light.cone.scale, light.cone.offset);
+    if (cos_receiver <= 0 || sent <= 0) continue;
     float lit = 1;
     for (uint v = 0; v < light.views; ++v) {
       bool inside;
       lit = look_up(light.first_view + v, position, normal, slack, inside);
       if (inside) break;
     }
-    sum += light.intensity * (lit * point_transfer(cos_receiver, cos_light, distance2, eta));
+    sum += light.intensity * (lit * point_transfer(cos_receiver, sent, distance2, eta));
   }
   return sum;
 }

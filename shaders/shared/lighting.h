@@ -16,14 +16,29 @@ struct Receiver {
   float slack;
 };
 
-// One sample of an area light.
+// Kinds of light samples: of an emissive mesh, from its front or from both sides; and of lights without a mesh.
+const uint light_one_sided = 0;
+const uint light_two_sided = 1;
+const uint light_point = 2;
+const uint light_spot = 3;
+const uint light_directional = 4;
+
+// A spot's fall from its inner to its outer cone (KHR_lights_punctual): share = clamp(scale * cosine + offset, 0, 1)^2.
+struct SpotCone {
+  float scale;
+  float offset;
+};
+
+// One sample of a light.
 struct LightPoint {
-  vec3 position;    // m
-  vec3 normal;      // unit, front side
-  vec3 intensity;   // W/sr towards the normal: radiance times the area the sample stands for
+  vec3 position;    // m; directional: unused
+  vec3 normal;      // unit: of the mesh's front side, or where a spot or directional light shines
+  // W/sr along the normal (of a mesh: radiance times the area the sample stands for); directional: W/m^2 across its way
+  vec3 intensity;
   uint first_view;  // of its shadow maps
   uint views;       // 0: nothing shadows it
-  uint two_sided;   // 1: shines from the back, too
+  uint kind;        // light_*
+  SpotCone cone;
 };
 
 // One shadow map; its layer is its index. Depth is D32, clip z / w, LESS_OR_EQUAL is lit.
@@ -57,9 +72,22 @@ struct FacetPush {
   uint cut_cells;   // entries of Domain::cut_cells
 };
 
-// Transmitted share of a light point's intensity, 1/m^2: F_t times the two cosines over the squared distance.
-SHARED_FN real point_transfer(real cos_receiver, real cos_light, real distance2, real eta) {
-  return fresnel_transmittance(cos_receiver, eta) * cos_receiver * cos_light / distance2;
+SHARED_FN real spot_share(real cosine, real scale, real offset) {
+  real share = min(max(scale * cosine + offset, real(0)), real(1));
+  return share * share;
+}
+
+// What a light sample sends, over its intensity, at an angle with the given cosine to its normal.
+SHARED_FN real light_share(uint kind, real cosine, real cone_scale, real cone_offset) {
+  if (kind == light_two_sided) return abs(cosine);
+  if (kind == light_spot) return spot_share(cosine, cone_scale, cone_offset);
+  return kind == light_one_sided ? cosine : real(1);
+}
+
+// Transmitted share of a light point's intensity, 1/m^2: F_t and the receiver's cosine times what the light
+// sends there (light_share) over the squared distance.
+SHARED_FN real point_transfer(real cos_receiver, real sent, real distance2, real eta) {
+  return fresnel_transmittance(cos_receiver, eta) * cos_receiver * sent / distance2;
 }
 
 // How far along its normal a receiver is moved before it is looked up in a shadow map, m. A surface's depth, read up to

@@ -41,14 +41,16 @@ inline glm::dvec3 exact_flux(const Scene& scene, const LightSamples& lights, con
   const glm::dvec3 n = glm::normalize(glm::dvec3(receiver.normal)), x = receiver.position;
   glm::dvec3 sum(0);
   for (const LightSample& light : lights.area) {
-    const glm::dvec3 way = glm::dvec3(light.position) - x;
-    const double distance = glm::length(way);
-    const glm::dvec3 w = way / distance;
-    const double front = -glm::dot(glm::dvec3(light.normal), w), cos_light = light.two_sided ? std::abs(front) : front;
+    const bool far = light.kind == light_directional;
+    const glm::dvec3 way = far ? -glm::dvec3(light.normal) : glm::dvec3(light.position) - x;
+    const glm::dvec3 w = glm::normalize(way);
+    const double distance = far ? INFINITY : glm::length(way), square = far ? 1 : distance * distance;
+    const double sent =
+        light_share<double>(light.kind, -glm::dot(glm::dvec3(light.normal), w), light.cone.scale, light.cone.offset);
     const double cos_receiver = glm::dot(n, w);
-    if (cos_light <= 0 || cos_receiver <= 0) continue;
+    if (sent <= 0 || cos_receiver <= 0) continue;
     if (shadows && nearest_hit(scene, x + shift * n, w, light.object).distance < distance - shift) continue;
-    sum += glm::dvec3(light.intensity) * point_transfer(cos_receiver, cos_light, distance * distance, eta);
+    sum += glm::dvec3(light.intensity) * point_transfer(cos_receiver, sent, square, eta);
   }
   double blocked = 0, all = 0;
   for (const glm::vec3& direction : lights.directions) {

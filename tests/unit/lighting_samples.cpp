@@ -122,7 +122,7 @@ TEST(ShadowViews, HoldTheFocusWhole) {
   }
   sample.normal = {0, 1, 0};
   EXPECT_TRUE(point_views(sample, focus, 0.01, 64).empty());
-  sample.two_sided = true;
+  sample.kind = light_two_sided;
   EXPECT_EQ(point_views(sample, focus, 0.01, 64).size(), 1u);
   sample.position = glm::vec3(focus.centre);
   EXPECT_EQ(point_views(sample, focus, 0.01, 64).size(), 6u);
