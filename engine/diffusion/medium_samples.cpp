@@ -44,6 +44,11 @@ class Pattern {
     for (int k = 0; k < m; ++k)
       for (int j = 0; j < m; ++j)
         for (int i = 0; i < m; ++i) points_.push_back({along(i, j, k), along(j, k, i), along(k, i, j)});
+    for (int axis = 0; axis < 3; ++axis) {
+      for (int s = 0; s < count(); ++s) sorted_[axis].push_back(s);
+      std::sort(sorted_[axis].begin(), sorted_[axis].end(),
+                [&](int a, int b) { return points_[a][axis] < points_[b][axis]; });
+    }
   }
   int m() const { return m_; }
   int count() const { return static_cast<int>(points_.size()); }
@@ -54,19 +59,32 @@ class Pattern {
     at[axis] = s, at[(axis + 1) % 3] = u, at[(axis + 2) % 3] = v;
     return at.x + m_ * (at.y + m_ * at.z);
   }
-  double along(int i, int j, int k) const { return (i + (m_ * j + k + 0.5) / (m_ * m_)) / m_; }
+  /// All samples in order along `axis`; those that follow one another lie apart across it.
+  const std::vector<int>& sorted(int axis) const { return sorted_[axis]; }
+  double along(int i, int j, int k) const {
+    return (i + (7 * (m_ * j + k) % (m_ * m_) + 0.5) / (m_ * m_)) / m_;  // 7 is prime to 4, 9 and 16
+  }
 
  private:
   int m_;
   std::vector<glm::dvec3> points_;
+  std::vector<int> sorted_[3];
+};
+
+/// How the samples of a cell vary: their variance, and half the mean square of the steps between samples in order along
+/// each axis. Far below the variance for sheets across the axis, about the variance for sheets along it.
+struct Texture {
+  glm::dvec3 variance{0}, steps[3] = {glm::dvec3(0), glm::dvec3(0), glm::dvec3(0)};
 };
 
 /// 1/kappa in each of the samples of a layer of cells, and which of them lie in the solid.
 struct Layer {
   std::vector<glm::vec3> resistivity;  // 1/m, Pattern::count() a cell
   std::vector<std::uint64_t> solid;    // a bit a sample; 0 for cells outside
+  std::vector<Texture> texture;
 };
-static_assert(most_samples_an_axis * most_samples_an_axis * most_samples_an_axis <= 64);
+constexpr int most_samples = most_samples_an_axis * most_samples_an_axis * most_samples_an_axis;
+static_assert(most_samples <= 64);
 
 /// kappa of columns in parallel.
 struct Parallel {
@@ -119,7 +137,8 @@ class Averaging {
   std::size_t at(glm::ivec3 c) const { return c.x + std::size_t(n_.x) * (c.y + std::size_t(n_.y) * c.z); }
   Layer empty_layer() const {
     const std::size_t cells = std::size_t(n_.x) * n_.y;
-    return {std::vector<glm::vec3>(cells * pattern_.count()), std::vector<std::uint64_t>(cells, 0)};
+    return {std::vector<glm::vec3>(cells * pattern_.count()), std::vector<std::uint64_t>(cells, 0),
+            std::vector<Texture>(cells)};
   }
   MediumPoint medium_at(glm::dvec3 grid_position) const {
     return field_(glm::dvec3(frame_.origin) + h_ * grid_position);
@@ -168,6 +187,7 @@ class Averaging {
       if (in_solid(cut, pattern_[s])) solid |= std::uint64_t(1) << s, mean += pattern_[s];
     const int count = std::popcount(solid);
     const glm::dvec3 centre(cut.centre), shift = count > 0 ? centre - mean / double(count) : glm::dvec3(0);
+    layer.texture[in_layer] = {};
     glm::vec3* values = &layer.resistivity[in_layer * pattern_.count()];
     if (count == 0) {  // one sample, or a sliver between the points
       const MediumPoint m = medium_at(corner + centre);
@@ -182,7 +202,32 @@ class Averaging {
       values[s] = glm::vec3(resistivity(m));
       sigma_a += m.sigma_a;
     }
+    layer.texture[in_layer] = texture_of(values, solid, count);
     return sigma_a / double(count);
+  }
+
+  /// Of a bounded function of the resistivity: what is ten times the mean may not hide all else.
+  Texture texture_of(const glm::vec3* resistivities, std::uint64_t solid, int count) const {
+    glm::dvec3 mean(0), bounded[most_samples], sum(0), squares(0);
+    for (int s = 0; s < pattern_.count(); ++s)
+      if (solid >> s & 1) mean += glm::dvec3(resistivities[s]) / double(count);
+    for (int s = 0; s < pattern_.count(); ++s) {
+      if (!(solid >> s & 1)) continue;
+      bounded[s] = glm::dvec3(resistivities[s]) / (glm::dvec3(resistivities[s]) + mean);
+      sum += bounded[s];
+      squares += bounded[s] * bounded[s];
+    }
+    Texture texture;
+    texture.variance = glm::max(squares - sum * sum / double(count), 0.0);
+    for (int axis = 0; axis < 3; ++axis) {
+      int last = -1;
+      for (int s : pattern_.sorted(axis)) {
+        if (!(solid >> s & 1)) continue;
+        if (last >= 0) texture.steps[axis] += 0.5 * (bounded[s] - bounded[last]) * (bounded[s] - bounded[last]);
+        last = s;
+      }
+    }
+    return texture;
   }
 
   /// Of the layer between the surface and the unknown: kappa in series down to it and in parallel along the surface;
@@ -237,6 +282,7 @@ class Averaging {
   struct Half {  // a cell on one side of a face
     const glm::vec3* resistivity;
     std::uint64_t solid;
+    const Texture* texture;
     double lengths[most_samples_an_axis];  // h: of the way from the unknown to the face in each row of samples
   };
 
@@ -246,7 +292,7 @@ class Averaging {
     const double centre = cut_cells_[cut_index_[at(cell)]].centre[axis];
     const double distance = std::max(up ? 1 - centre : centre, least_distance);
     const double reach = std::min(distance, 1.0), low = up ? 1 - reach : 0, high = up ? 1 : reach;
-    Half half{&layer.resistivity[in_layer * pattern_.count()], layer.solid[in_layer], {}};
+    Half half{&layer.resistivity[in_layer * pattern_.count()], layer.solid[in_layer], &layer.texture[in_layer], {}};
     for (int s = 0; s < pattern_.m(); ++s) {
       const double overlap = std::min(high, (s + 1.0) / pattern_.m()) - std::max(low, double(s) / pattern_.m());
       half.lengths[s] = std::max(0.0, overlap) * distance / reach;
@@ -254,22 +300,42 @@ class Averaging {
     return half;
   }
 
+  /// Between two bounds. The lower, by Thomson's principle: flux that keeps to its columns, in the shares that the
+  /// whole of both cells suggests; so a sheet across the columns, which may begin on this side of the unknown in one
+  /// and beyond it in another, is not passed by changing columns half way. The upper, by Dirichlet's: phi falls evenly,
+  /// which is right for sheets along the flux. Where sheets across it part the two widely the lower is right.
   glm::dvec3 face_kappa(const Half (&halves)[2], int axis) const {
     const int m = pattern_.m();
-    Parallel columns;
+    glm::dvec3 flux(0), spent(0), even(0);
+    double lengths = 0;
     for (int column = 0; column < m * m; ++column) {
       double length = 0;
-      glm::dvec3 resistance(0);
+      int count = 0;
+      glm::dvec3 resistance(0), whole(0);
       for (const Half& half : halves)
         for (int s = 0; s < m; ++s) {
           const int sample = pattern_.in_column(axis, s, column % m, column / m);
-          if (half.lengths[s] <= 0 || !(half.solid >> sample & 1)) continue;
+          if (!(half.solid >> sample & 1)) continue;
+          const glm::dvec3 here(half.resistivity[sample]);
+          whole += here;
+          ++count;
           length += half.lengths[s];
-          resistance += half.lengths[s] * glm::dvec3(half.resistivity[sample]);
+          resistance += half.lengths[s] * here;
+          even += half.lengths[s] / here;
         }
-      if (length > 0) columns.add(length, length, resistance);
+      if (length <= 0) continue;
+      const glm::dvec3 share = length * double(count) / whole;
+      flux += share;
+      spent += share * share * resistance / (length * length);
+      lengths += length;
     }
-    if (columns.weights > 0) return columns.kappa();
+    if (lengths > 0) {
+      const glm::dvec3 lower = flux * flux / (spent * lengths), upper = even / lengths;
+      if (m == 1) return lower;
+      const Texture &one = *halves[0].texture, &two = *halves[1].texture;
+      const glm::dvec3 variance = glm::max(one.variance + two.variance, glm::dvec3(1e-12));
+      return glm::mix(lower, upper, glm::smoothstep(0.2, 0.5, (one.steps[axis] + two.steps[axis]) / variance));
+    }
     glm::dvec3 sum(0);  // no sample on the way: all of both cells in series
     int count = 0;
     for (const Half& half : halves)
