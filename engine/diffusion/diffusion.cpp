@@ -83,8 +83,7 @@ Diffusion::Diffusion(gpu::Context& context, const DiffusionPasses& solver_passes
 
 void Diffusion::set_medium(const MediumSamples& medium) {
   kappa_scale_ = medium.kappa_scale;
-  gpu::Image kappa = packed_image(context_, domain_.frame.cells, medium.channels, 1, "kappa");
-  gpu::upload(context_, kappa, medium.kappa);
+  gpu::upload(context_, multigrid_.finest().stencil, medium.kappa);
   gpu::upload(context_, absorption_, medium.absorption);
   gpu::upload(context_, facets_, medium.facets);
   const glm::vec3 resistance(A_ * kappa_scale_ / double(domain_.frame.h));
@@ -99,11 +98,11 @@ void Diffusion::set_medium(const MediumSamples& medium) {
                        {"aperture_x", domain_.aperture[0]},
                        {"aperture_y", domain_.aperture[1]},
                        {"aperture_z", domain_.aperture[2]},
-                       {"kappa", kappa},
+                       {"facets", facets_},
                        {"absorption", absorption_},
                        {"stencil", multigrid_.finest().stencil},
                        {"conductances", conductances_}},
-                      OperatorPush{domain_.frame.cells, cut_count_, resistance});
+                      OperatorPush{domain_.frame.cells, cut_count_, resistance, glm::vec3(kappa_scale_)});
   }
   commands.submit();
   multigrid_.set_up();

@@ -56,6 +56,7 @@ class Diffusion {
   Multigrid& multigrid() { return multigrid_; }
   Pcg& pcg() { return pcg_; }
   double A() const { return A_; }
+  double kappa_scale(int channel) const { return kappa_scale_[channel]; }  // m
   /// FluenceScale of each channel: fluence = unit * (pcg().solution() + pcg().solution_rest()).
   const gpu::Buffer& scales() const { return scales_; }
   const gpu::Buffer& facet_conductances() const { return conductances_; }

@@ -3,6 +3,7 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <bit>
 #include <mutex>
 
 #include "shared/optics.h"
@@ -15,65 +16,382 @@ MediumField field_of(const Medium& medium) {
     const MediumPoint constant{similarity * medium.homogeneous.sigma_s, medium.homogeneous.sigma_a};
     return [constant](glm::dvec3) { return constant; };
   }
-  return [medium, similarity](glm::dvec3 world) {
+  const glm::dmat3 box(glm::inverse(medium.world_to_box));
+  double voxel = INFINITY;
+  for (int axis = 0; axis < 3; ++axis)
+    voxel = std::min(voxel, glm::length(box[axis]) / std::max(medium.sigma_t->size[axis], medium.albedo->size[axis]));
+  if (medium.sigma_t->trilinear && medium.albedo->trilinear) voxel *= 2;  // a voxel's tent reaches into both neighbours
+  const auto at = [medium, similarity](glm::dvec3 world) {
     const Coefficients c = medium.at(world);
     return MediumPoint{similarity * c.sigma_s, c.sigma_a};
   };
+  return {at, voxel};
+}
+
+int samples_an_axis(double feature, double h) {
+  return static_cast<int>(std::clamp(std::ceil(2 * h / feature - 1e-6), 1.0, double(most_samples_an_axis)));
 }
 
 namespace {
 
-glm::vec3 reduced_at(const MediumPoint& m) {
-  glm::dvec3 reduced;
-  for (int c = 0; c < 3; ++c) reduced[c] = reduced_intensity(m.sigma_a[c], m.sigma_s_reduced[c]);
-  return glm::vec3(reduced);
-}
+constexpr double least_distance = 0.05;  // of an unknown from a face or the surface, in h: as in cut.glsl
+
+/// m^3 points of the unit cube, one in each of m^3 boxes; seen along any axis, no two at the same place. So a layer
+/// across an axis gets its share to 1 / m^3, and none hides between the points unless it is thinner than 1 / m.
+class Pattern {
+ public:
+  explicit Pattern(int m) : m_(m) {
+    for (int k = 0; k < m; ++k)
+      for (int j = 0; j < m; ++j)
+        for (int i = 0; i < m; ++i) points_.push_back({along(i, j, k), along(j, k, i), along(k, i, j)});
+    for (int axis = 0; axis < 3; ++axis) {
+      for (int s = 0; s < count(); ++s) sorted_[axis].push_back(s);
+      std::sort(sorted_[axis].begin(), sorted_[axis].end(),
+                [&](int a, int b) { return points_[a][axis] < points_[b][axis]; });
+    }
+  }
+  int m() const { return m_; }
+  int count() const { return static_cast<int>(points_.size()); }
+  glm::dvec3 operator[](int sample) const { return points_[sample]; }
+  /// Number of sample `s` along `axis` in column (u, v).
+  int in_column(int axis, int s, int u, int v) const {
+    glm::ivec3 at;
+    at[axis] = s, at[(axis + 1) % 3] = u, at[(axis + 2) % 3] = v;
+    return at.x + m_ * (at.y + m_ * at.z);
+  }
+  /// All samples in order along `axis`; those that follow one another lie apart across it.
+  const std::vector<int>& sorted(int axis) const { return sorted_[axis]; }
+  double along(int i, int j, int k) const {
+    return (i + (7 * (m_ * j + k) % (m_ * m_) + 0.5) / (m_ * m_)) / m_;  // 7 is prime to 4, 9 and 16
+  }
+
+ private:
+  int m_;
+  std::vector<glm::dvec3> points_;
+  std::vector<int> sorted_[3];
+};
+
+/// How the samples of a cell vary: their variance, and half the mean square of the steps between samples in order along
+/// each axis. Far below the variance for sheets across the axis, about the variance for sheets along it.
+struct Texture {
+  glm::dvec3 variance{0}, steps[3] = {glm::dvec3(0), glm::dvec3(0), glm::dvec3(0)};
+};
+
+/// 1/kappa in each of the samples of a layer of cells, and which of them lie in the solid.
+struct Layer {
+  std::vector<glm::vec3> resistivity;  // 1/m, Pattern::count() a cell
+  std::vector<std::uint64_t> solid;    // a bit a sample; 0 for cells outside
+  std::vector<Texture> texture;
+};
+constexpr int most_samples = most_samples_an_axis * most_samples_an_axis * most_samples_an_axis;
+static_assert(most_samples <= 64);
+
+/// kappa of columns in parallel.
+struct Parallel {
+  glm::dvec3 sum{0};
+  double weights = 0;
+  void add(double weight, double length, glm::dvec3 resistance) {
+    sum += weight * length / resistance;
+    weights += weight;
+  }
+  glm::dvec3 kappa() const { return sum / weights; }
+};
+
+class Averaging {
+ public:
+  Averaging(gpu::Context& context, const Domain& domain, const MediumField& field)
+      : frame_(domain.frame),
+        n_(frame_.cells),
+        h_(frame_.h),
+        most_kappa_(100 * h_ * std::max({n_.x, n_.y, n_.z})),
+        field_(field),
+        pattern_(samples_an_axis(field.feature, h_)),
+        volume_(gpu::download<float>(context, domain.volume)),
+        cut_index_(gpu::download<std::uint32_t>(context, domain.cut_index)),
+        cut_cells_(gpu::download<GpuCutCell>(context, domain.cut_cells)) {}
+
+  MediumSamples run(int channels) {
+    out_.channels = channels;
+    out_.kappa.assign(volume_.size() * channels * DIFFUSION_FINEST_ENTRIES, 0.f);
+    out_.absorption.assign(volume_.size() * channels, 0.f);
+    out_.facets.resize(cut_cells_.size());
+    out_.kappa_scale = glm::dvec3(0);
+    // Faces need the layer below: the first of a run of layers is sampled twice.
+    tbb::parallel_for(tbb::blocked_range<int>(0, n_.z, 8), [&](const tbb::blocked_range<int>& range) {
+      Layer below = empty_layer(), own = empty_layer();
+      glm::dvec3 largest(0);
+      if (range.begin() > 0) sample_layer(range.begin() - 1, own, nullptr);
+      for (int z = range.begin(); z < range.end(); ++z) {
+        std::swap(below, own);
+        sample_layer(z, own, &largest);
+        join_faces(z, own, below);
+      }
+      const std::lock_guard lock(guard_);
+      out_.kappa_scale = glm::max(out_.kappa_scale, largest);
+    });
+    for (int c = 0; c < channels; ++c) scale(c, static_cast<float>(1 / out_.kappa_scale[c]));
+    return std::move(out_);
+  }
+
+ private:
+  std::size_t at(glm::ivec3 c) const { return c.x + std::size_t(n_.x) * (c.y + std::size_t(n_.y) * c.z); }
+  Layer empty_layer() const {
+    const std::size_t cells = std::size_t(n_.x) * n_.y;
+    return {std::vector<glm::vec3>(cells * pattern_.count()), std::vector<std::uint64_t>(cells, 0),
+            std::vector<Texture>(cells)};
+  }
+  MediumPoint medium_at(glm::dvec3 grid_position) const {
+    return field_(glm::dvec3(frame_.origin) + h_ * grid_position);
+  }
+  glm::dvec3 resistivity(const MediumPoint& m) const {
+    return glm::max(3.0 * (m.sigma_s_reduced + m.sigma_a), glm::dvec3(1 / most_kappa_));
+  }
+
+  /// Fills `layer`; absorption and facets too where `largest` is there, which takes the largest kappa, m.
+  void sample_layer(int z, Layer& layer, glm::dvec3* largest) {
+    for (int y = 0; y < n_.y; ++y)
+      for (int x = 0; x < n_.x; ++x) {
+        const std::size_t i = at({x, y, z}), in_layer = x + std::size_t(n_.x) * y;
+        layer.solid[in_layer] = 0;
+        if (volume_[i] <= 0) continue;
+        const GpuCutCell& cut = cut_cells_[cut_index_[i]];
+        const glm::dvec3 corner(x, y, z), absorbed = sample_cell(corner, cut, layer, in_layer);
+        if (!largest) continue;
+        for (int c = 0; c < out_.channels; ++c)
+          out_.absorption[c * volume_.size() + i] = static_cast<float>(absorbed[c] * h_ * h_);
+        for (int s = 0; s < pattern_.count(); ++s)
+          if (layer.solid[in_layer] >> s & 1)
+            *largest = glm::max(*largest, 1.0 / glm::dvec3(layer.resistivity[in_layer * pattern_.count() + s]));
+        if (cut_index_[i] == 0) continue;
+        FacetMedium& facet = out_.facets[cut_index_[i]];
+        facet = facet_medium(corner, cut);
+        *largest = glm::max(*largest, glm::dvec3(facet.kappa));
+      }
+  }
+
+  /// Behind both sheets where the surface bends back, else behind the one.
+  static bool in_solid(const GpuCutCell& cut, glm::dvec3 p) {
+    const auto behind = [&](const GpuFacet& f) {
+      return f.area <= 0 || glm::dot(p - glm::dvec3(f.centre), glm::dvec3(f.area_vector)) <= 0;
+    };
+    const bool bent = glm::length(cut.facet.area_vector) <= 0.5f * cut.facet.area;
+    return bent ? behind(cut.side[0]) && behind(cut.side[1]) : behind(cut.facet);
+  }
+
+  /// Mean sigma_a, 1/m, of the solid part. The points are moved so that their mean is the centroid: what varies
+  /// linearly has no error.
+  glm::dvec3 sample_cell(glm::dvec3 corner, const GpuCutCell& cut, Layer& layer, std::size_t in_layer) const {
+    std::uint64_t solid = 0;
+    glm::dvec3 mean(0), sigma_a(0);
+    for (int s = 0; s < pattern_.count() && pattern_.m() > 1; ++s)
+      if (in_solid(cut, pattern_[s])) solid |= std::uint64_t(1) << s, mean += pattern_[s];
+    const int count = std::popcount(solid);
+    const glm::dvec3 centre(cut.centre), shift = count > 0 ? centre - mean / double(count) : glm::dvec3(0);
+    layer.texture[in_layer] = {};
+    glm::vec3* values = &layer.resistivity[in_layer * pattern_.count()];
+    if (count == 0) {  // one sample, or a sliver between the points
+      const MediumPoint m = medium_at(corner + centre);
+      std::fill(values, values + pattern_.count(), glm::vec3(resistivity(m)));
+      layer.solid[in_layer] = pattern_.count() == 64 ? ~std::uint64_t(0) : (std::uint64_t(1) << pattern_.count()) - 1;
+      return m.sigma_a;
+    }
+    layer.solid[in_layer] = solid;
+    for (int s = 0; s < pattern_.count(); ++s) {
+      if (!(solid >> s & 1)) continue;
+      const MediumPoint m = medium_at(corner + pattern_[s] + shift);
+      values[s] = glm::vec3(resistivity(m));
+      sigma_a += m.sigma_a;
+    }
+    layer.texture[in_layer] = texture_of(values, solid, count);
+    return sigma_a / double(count);
+  }
+
+  /// Of a bounded function of the resistivity: what is ten times the mean may not hide all else.
+  Texture texture_of(const glm::vec3* resistivities, std::uint64_t solid, int count) const {
+    glm::dvec3 mean(0), bounded[most_samples], sum(0), squares(0);
+    for (int s = 0; s < pattern_.count(); ++s)
+      if (solid >> s & 1) mean += glm::dvec3(resistivities[s]) / double(count);
+    for (int s = 0; s < pattern_.count(); ++s) {
+      if (!(solid >> s & 1)) continue;
+      bounded[s] = glm::dvec3(resistivities[s]) / (glm::dvec3(resistivities[s]) + mean);
+      sum += bounded[s];
+      squares += bounded[s] * bounded[s];
+    }
+    Texture texture;
+    texture.variance = glm::max(squares - sum * sum / double(count), 0.0);
+    for (int axis = 0; axis < 3; ++axis) {
+      int last = -1;
+      for (int s : pattern_.sorted(axis)) {
+        if (!(solid >> s & 1)) continue;
+        if (last >= 0) texture.steps[axis] += 0.5 * (bounded[s] - bounded[last]) * (bounded[s] - bounded[last]);
+        last = s;
+      }
+    }
+    return texture;
+  }
+
+  /// Of the layer between the surface and the unknown: kappa in series down to it and in parallel along the surface;
+  /// exp(-sigma_a / sigma_s') where the light that enters has its first collision.
+  FacetMedium facet_medium(glm::dvec3 corner, const GpuCutCell& cut) const {
+    if (pattern_.m() == 1) {
+      const MediumPoint m = medium_at(corner + glm::dvec3(cut.centre));
+      return {glm::vec3(1.0 / resistivity(m)), glm::vec3(reduced_at(m))};
+    }
+    const int m = pattern_.m();
+    Parallel conduction;
+    glm::dvec3 reduced(0);
+    for (const GpuFacet& side : cut.side) {
+      const double length = glm::length(glm::dvec3(side.area_vector));
+      if (side.area <= 0 || length <= 0) continue;
+      const glm::dvec3 normal = glm::dvec3(side.area_vector) / length,
+                       aside = std::abs(normal.x) < 0.6 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0),
+                       u = glm::normalize(glm::cross(normal, aside)), v = glm::cross(normal, u);
+      const double depth = std::max(double(side.distance), least_distance),
+                   edge = std::min(1.0, std::sqrt(double(side.area)));
+      for (int column = 0; column < m * m; ++column) {
+        const int a = column % m, b = column / m;
+        const glm::dvec3 top =
+            corner + glm::dvec3(side.centre) + edge * ((a + 0.5) / m - 0.5) * u + edge * ((b + 0.5) / m - 0.5) * v;
+        glm::dvec3 resistance(0), arrives(1), first(0), share(0);
+        for (int s = 0; s < m; ++s) {
+          const MediumPoint here = medium_at(top - depth * pattern_.along(s, a, b) * normal);
+          const glm::dvec3 optical = (here.sigma_s_reduced + here.sigma_a) * (depth * h_ / m);
+          const glm::dvec3 passes = glm::exp(-optical), collides = arrives * glm::max(1.0 - passes, 1e-12);
+          first += collides * reduced_at(here);
+          share += collides;
+          arrives *= passes;
+          resistance += resistivity(here) / double(m);
+        }
+        conduction.add(side.area, 1, resistance);
+        reduced += double(side.area) * first / share;
+      }
+    }
+    if (conduction.weights <= 0) {
+      const MediumPoint point = medium_at(corner + glm::dvec3(cut.centre));
+      return {glm::vec3(1.0 / resistivity(point)), glm::vec3(reduced_at(point))};
+    }
+    return {glm::vec3(conduction.kappa()), glm::vec3(reduced / conduction.weights)};
+  }
+
+  static glm::dvec3 reduced_at(const MediumPoint& m) {
+    glm::dvec3 reduced;
+    for (int c = 0; c < 3; ++c) reduced[c] = reduced_intensity(m.sigma_a[c], m.sigma_s_reduced[c]);
+    return reduced;
+  }
+
+  struct Half {  // a cell on one side of a face
+    const glm::vec3* resistivity;
+    std::uint64_t solid;
+    const Texture* texture;
+    double lengths[most_samples_an_axis];  // h: of the way from the unknown to the face in each row of samples
+  };
+
+  /// The way leads from the unknown to the cell's low (up = 0) or high face.
+  Half half(const Layer& layer, glm::ivec3 cell, int axis, int up) const {
+    const std::size_t in_layer = cell.x + std::size_t(n_.x) * cell.y;
+    const double centre = cut_cells_[cut_index_[at(cell)]].centre[axis];
+    const double distance = std::max(up ? 1 - centre : centre, least_distance);
+    const double reach = std::min(distance, 1.0), low = up ? 1 - reach : 0, high = up ? 1 : reach;
+    Half half{&layer.resistivity[in_layer * pattern_.count()], layer.solid[in_layer], &layer.texture[in_layer], {}};
+    for (int s = 0; s < pattern_.m(); ++s) {
+      const double overlap = std::min(high, (s + 1.0) / pattern_.m()) - std::max(low, double(s) / pattern_.m());
+      half.lengths[s] = std::max(0.0, overlap) * distance / reach;
+    }
+    return half;
+  }
+
+  /// Between two bounds. The lower, by Thomson's principle: flux that keeps to its columns, in the shares that the
+  /// whole of both cells suggests; so a sheet across the columns, which may begin on this side of the unknown in one
+  /// and beyond it in another, is not passed by changing columns half way. The upper, by Dirichlet's: phi falls evenly,
+  /// which is right for sheets along the flux. Where sheets across it part the two widely the lower is right.
+  glm::dvec3 face_kappa(const Half (&halves)[2], int axis) const {
+    const int m = pattern_.m();
+    glm::dvec3 flux(0), spent(0), even(0);
+    double lengths = 0;
+    for (int column = 0; column < m * m; ++column) {
+      double length = 0;
+      int count = 0;
+      glm::dvec3 resistance(0), whole(0);
+      for (const Half& half : halves)
+        for (int s = 0; s < m; ++s) {
+          const int sample = pattern_.in_column(axis, s, column % m, column / m);
+          if (!(half.solid >> sample & 1)) continue;
+          const glm::dvec3 here(half.resistivity[sample]);
+          whole += here;
+          ++count;
+          length += half.lengths[s];
+          resistance += half.lengths[s] * here;
+          even += half.lengths[s] / here;
+        }
+      if (length <= 0) continue;
+      const glm::dvec3 share = length * double(count) / whole;
+      flux += share;
+      spent += share * share * resistance / (length * length);
+      lengths += length;
+    }
+    if (lengths > 0) {
+      const glm::dvec3 lower = flux * flux / (spent * lengths), upper = even / lengths;
+      if (m == 1) return lower;
+      const Texture &one = *halves[0].texture, &two = *halves[1].texture;
+      const glm::dvec3 variance = glm::max(one.variance + two.variance, glm::dvec3(1e-12));
+      return glm::mix(lower, upper, glm::smoothstep(0.2, 0.5, (one.steps[axis] + two.steps[axis]) / variance));
+    }
+    glm::dvec3 sum(0);  // no sample on the way: all of both cells in series
+    int count = 0;
+    for (const Half& half : halves)
+      for (int s = 0; s < pattern_.count(); ++s)
+        if (half.solid >> s & 1) sum += glm::dvec3(half.resistivity[s]), ++count;
+    return double(count) / sum;
+  }
+
+  void join_faces(int z, const Layer& own, const Layer& below) {
+    for (int y = 0; y < n_.y; ++y)
+      for (int x = 0; x < n_.x; ++x) {
+        const glm::ivec3 cell(x, y, z);
+        if (own.solid[x + std::size_t(n_.x) * y] == 0) continue;
+        for (int axis = 0; axis < 3; ++axis) {
+          glm::ivec3 lower = cell;
+          --lower[axis];
+          if (lower[axis] < 0) continue;
+          const Layer& other = axis == 2 ? below : own;
+          if (other.solid[lower.x + std::size_t(n_.x) * lower.y] == 0) continue;
+          const Half halves[2] = {half(other, lower, axis, 1), half(own, cell, axis, 0)};
+          const glm::dvec3 kappa = face_kappa(halves, axis);
+          for (int c = 0; c < out_.channels; ++c) out_.kappa[packed(cell, axis, c)] = static_cast<float>(kappa[c]);
+        }
+      }
+  }
+
+  std::size_t packed(glm::ivec3 cell, int entry, int channel) const {
+    const std::size_t row = cell.y + std::size_t(n_.y) * (cell.z + std::size_t(n_.z) * channel);
+    return cell.x + std::size_t(n_.x) * (entry + DIFFUSION_FINEST_ENTRIES * row);
+  }
+
+  void scale(int channel, float factor) {
+    const auto scale_part = [&](std::vector<float>& values) {
+      const std::size_t part = values.size() / out_.channels;
+      tbb::parallel_for(channel * part, (channel + 1) * part, [&](std::size_t i) { values[i] *= factor; });
+    };
+    scale_part(out_.kappa);
+    scale_part(out_.absorption);
+  }
+
+  const GridFrame frame_;
+  const glm::ivec3 n_;
+  const double h_, most_kappa_;  // m
+  const MediumField& field_;
+  const Pattern pattern_;
+  const std::vector<float> volume_;
+  const std::vector<std::uint32_t> cut_index_;
+  const std::vector<GpuCutCell> cut_cells_;
+  MediumSamples out_;
+  std::mutex guard_;
+};
 
 }  // namespace
 
 MediumSamples sample_medium(gpu::Context& context, const Domain& domain, const MediumField& field, int channels) {
-  const glm::ivec3 n = domain.frame.cells;
-  const double h = domain.frame.h, clearest = 100 * h * std::max({n.x, n.y, n.z});
-  const std::vector<float> volume = gpu::download<float>(context, domain.volume);
-  const std::vector<std::uint32_t> cut_index = gpu::download<std::uint32_t>(context, domain.cut_index);
-  const std::vector<GpuCutCell> cut_cells = gpu::download<GpuCutCell>(context, domain.cut_cells);
-  const std::size_t cells = volume.size();
-  MediumSamples samples;
-  samples.channels = channels;
-  samples.kappa.assign(cells * channels, 0.f);
-  samples.absorption.assign(cells * channels, 0.f);
-  samples.facets.resize(cut_cells.size());
-  samples.kappa_scale = glm::dvec3(0);
-  std::mutex guard;
-  tbb::parallel_for(0, n.z, [&](int z) {
-    glm::dvec3 largest(0);
-    for (int y = 0; y < n.y; ++y)
-      for (int x = 0; x < n.x; ++x) {
-        const std::size_t i = x + std::size_t(n.x) * (y + std::size_t(n.y) * z);
-        if (volume[i] <= 0) continue;
-        const GpuCutCell& cut = cut_cells[cut_index[i]];
-        const glm::dvec3 local = glm::dvec3(x, y, z) + glm::dvec3(cut.centre);
-        const MediumPoint m = field(glm::dvec3(domain.frame.origin) + h * local);
-        glm::dvec3 kappa;
-        for (int c = 0; c < 3; ++c) kappa[c] = 1 / std::max(3 * (m.sigma_s_reduced[c] + m.sigma_a[c]), 1 / clearest);
-        for (int c = 0; c < channels; ++c) {
-          samples.kappa[c * cells + i] = static_cast<float>(kappa[c]);
-          samples.absorption[c * cells + i] = static_cast<float>(m.sigma_a[c] * h * h);
-        }
-        largest = glm::max(largest, kappa);
-        if (cut_index[i] != 0) samples.facets[cut_index[i]] = {glm::vec3(kappa), reduced_at(m)};
-      }
-    const std::lock_guard lock(guard);
-    samples.kappa_scale = glm::max(samples.kappa_scale, largest);
-  });
-  for (int c = 0; c < channels; ++c) {
-    const float scale = static_cast<float>(1 / samples.kappa_scale[c]);
-    tbb::parallel_for(std::size_t(0), cells, [&](std::size_t i) {
-      samples.kappa[c * cells + i] *= scale;
-      samples.absorption[c * cells + i] *= scale;
-    });
-  }
-  return samples;
+  return Averaging(context, domain, field).run(channels);
 }
 
 }  // namespace alabaster

@@ -1,5 +1,7 @@
 #include "scene/scene.h"
 
+#include <algorithm>
+
 namespace alabaster {
 
 Bounds bounds_of(const Mesh& mesh) {
@@ -24,12 +26,17 @@ glm::dvec3 Grid::sample(glm::dvec3 unit_cube) const {
   p -= 0.5;
   glm::ivec3 low(glm::floor(p));
   glm::dvec3 f = p - glm::dvec3(low);
+  std::size_t offset[3][2];  // of the cells below and above along each axis, in values
+  const std::size_t stride[3] = {std::size_t(channels), std::size_t(channels) * size.x,
+                                 std::size_t(channels) * size.x * size.y};
+  for (int axis = 0; axis < 3; ++axis)
+    for (int up = 0; up < 2; ++up) offset[axis][up] = stride[axis] * std::clamp(low[axis] + up, 0, size[axis] - 1);
   glm::dvec3 sum(0);
   for (int corner = 0; corner < 8; ++corner) {
-    glm::ivec3 step(corner & 1, corner >> 1 & 1, corner >> 2);
-    double weight = 1;
-    for (int axis = 0; axis < 3; ++axis) weight *= step[axis] ? f[axis] : 1 - f[axis];
-    sum += weight * at(low + step);
+    const int x = corner & 1, y = corner >> 1 & 1, z = corner >> 2;
+    const double weight = (x ? f.x : 1 - f.x) * (y ? f.y : 1 - f.y) * (z ? f.z : 1 - f.z);
+    const float* value = &values[offset[0][x] + offset[1][y] + offset[2][z]];
+    sum += weight * (channels == 1 ? glm::dvec3(value[0]) : glm::dvec3(value[0], value[1], value[2]));
   }
   return sum;
 }

@@ -78,7 +78,8 @@ struct FluenceScale {
 struct OperatorPush {
   ivec3 cells;
   int count;        // of cut cells, entry 0 included
-  vec3 resistance;  // A kappa_scale / h of each channel
+  vec3 resistance;   // A kappa_scale / h of each channel
+  vec3 kappa_scale;  // m
 };
 
 struct SurfacePush {
