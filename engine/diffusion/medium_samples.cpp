@@ -61,7 +61,7 @@ MediumSamples sample_medium(gpu::Context& context, const Domain& domain, const M
           samples.absorption[c * cells + i] = static_cast<float>(m.sigma_a[c] * h * h);
         }
         largest = glm::max(largest, kappa);
-        if (cut_index[i] != 0) samples.facets[cut_index[i]] = {glm::vec3(kappa), reduced_at(m)};
+        if (cut_index[i] != 0) samples.facets[cut_index[i]] = {glm::vec3(kappa), reduced_at(m), glm::vec3(m.sigma_a)};
       }
     const std::lock_guard lock(guard);
     samples.kappa_scale = glm::max(samples.kappa_scale, largest);
