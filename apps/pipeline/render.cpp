@@ -34,12 +34,13 @@ struct Body {
   std::unique_ptr<FacetSource> source;             // of these, the transport's
   std::unique_ptr<DirectionalSource> directional;
   std::unique_ptr<BeamSource> beam;
+  std::unique_ptr<GatherExit> gather;
 };
 
 void make_source(gpu::Context& context, Transport transport, Body& body) {
   if (transport == Transport::directional)
     body.directional = std::make_unique<DirectionalSource>(context, body.domain);
-  else if (transport == Transport::beam)
+  else if (transport == Transport::beam || transport == Transport::gather)
     body.beam = std::make_unique<BeamSource>(context, body.domain, body.diffusion->channels());
   else
     body.source = std::make_unique<FacetSource>(context, body.domain);
@@ -93,6 +94,10 @@ void solve(gpu::Context& context, const Lighting& lighting, Body& body, double e
   report.solver = body.diffusion->solve(light);
   report.energy = body.diffusion->energy(light);
   if (body.beam) add_beams(body.beam->totals(), report.energy);
+  if (!body.gather) return;
+  gpu::Commands commands(context);
+  body.gather->record(commands);
+  commands.submit();
 }
 
 /// R, G, B become the sum of the wanted layers; the others' planes are emptied.
@@ -168,6 +173,8 @@ RenderResult render_scene(gpu::Context& context, const Scene& scene, const Plan&
       body.diffusion = std::make_unique<Diffusion>(context, *solver_passes, *fluence_passes, body.domain, medium,
                                                    object.eta, options);
       make_source(context, plan.transport, body);
+      if (plan.transport == Transport::gather)
+        body.gather = std::make_unique<GatherExit>(context, body.domain, *body.diffusion, *body.beam, object.eta);
     }
     solve(context, *lighting, body, object.eta, result);
     report_on(object, body, plan.channels, result);
@@ -186,7 +193,8 @@ RenderResult render_scene(gpu::Context& context, const Scene& scene, const Plan&
     input.surfaces.push_back({static_cast<int>(body->object),
                               {&d.surface(0), &d.surface(1)},
                               {&d.surface_gamma(0), &d.surface_gamma(1)},
-                              body->domain.frame});
+                              body->domain.frame,
+                              body->gather.get()});
   }
   result.shaded = shading->shade(input);
   keep_components(plan.components, result.shaded.picture);

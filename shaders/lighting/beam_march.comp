@@ -21,6 +21,8 @@ layout(binding = 6, scalar) readonly buffer CutCells { GpuCutCell cut_cells[]; }
 layout(binding = 7, rgba32f) uniform readonly image3D volume;
 layout(binding = 8, rgba32f) uniform readonly image3D kappa;       // in kappa_scale
 layout(binding = 9, rgba32f) uniform readonly image3D absorption;  // sigma_a h^2 / kappa_scale
+#define GRID push
+#include "domain/way.glsl"
 layout(binding = 10, scalar) buffer Deposits { uint deposits[]; };  // units scattered, [channel][cell], low words
 layout(binding = 11, scalar) buffer Carries { uint carries[]; };    // high words
 layout(binding = 12, scalar) buffer Counters { uint counters[]; };
@@ -31,7 +33,6 @@ layout(binding = 15, scalar) writeonly buffer Entered { vec3 entered[]; };      
 layout(binding = 16, scalar) writeonly buffer Near { vec4 near_light[]; };         // scattered near the facet, W/m^2; mean cosine
 
 const int counter_words = 3 * BEAM_COUNTERS;
-const float nowhere = 1e30;
 // Cells (h): what is scattered nearer than this to its facet drives the boundary condition, where the object is that deep.
 const float near_depth = 0.75;
 
@@ -61,79 +62,6 @@ void count_totals() {
 }
 
 uvec3 share_of(uvec3 units, vec3 share) { return min(units, uvec3(floor(vec3(units) * clamp(share, 0, 1) + 0.5))); }
-
-struct Solid {
-  bool there;
-  vec3 sigma_t;  // 1/h
-  vec3 albedo;
-};
-
-Solid solid_at(ivec3 c) {
-  Solid s = Solid(false, vec3(0), vec3(0));
-  const bool in_grid = all(greaterThanEqual(c, ivec3(0))) && all(lessThan(c, push.cells));
-  if (!in_grid || imageLoad(volume, ivec3(c.x >> 2, c.yz))[c.x & 3] <= 0) return s;
-  s.there = true;
-  for (int k = 0; k < push.channels; ++k) {
-    const ivec3 t = ivec3(c.x >> 2, c.y, c.z + k * push.cells.z);
-    const float kap = max(imageLoad(kappa, t)[c.x & 3] * push.kappa_scale[k], 1e-30);
-    const float sigma_a = imageLoad(absorption, t)[c.x & 3] * push.kappa_scale[k] / (push.h * push.h);
-    s.sigma_t[k] = push.h / (3 * kap);
-    s.albedo[k] = clamp(1 - 3 * kap * sigma_a, 0, 1);
-  }
-  return s;
-}
-
-// A straight way through the cells.
-struct Way {
-  vec3 from, along;  // h, from the grid's corner; unit
-  ivec3 cell, step_;
-  vec3 next, each;   // distance to the next cell, between cells, along each axis
-  float at;          // distance
-};
-
-Way way_from(vec3 from, vec3 along, ivec3 cell) {
-  Way w;
-  w.from = from;
-  w.along = along;
-  w.cell = cell;
-  w.step_ = ivec3(sign(along));
-  w.at = 0;
-  for (int a = 0; a < 3; ++a) {
-    const bool moves = abs(along[a]) > 1e-9;
-    w.each[a] = moves ? 1 / abs(along[a]) : nowhere;
-    w.next[a] = moves ? max(0, (float(cell[a] + (along[a] > 0 ? 1 : 0)) - from[a]) / along[a]) : nowhere;
-  }
-  return w;
-}
-
-float cell_end(Way w) { return min(w.next.x, min(w.next.y, w.next.z)); }
-
-void step_on(inout Way w) {
-  const int a = w.next.x <= w.next.y && w.next.x <= w.next.z ? 0 : w.next.y <= w.next.z ? 1 : 2;
-  w.at = max(w.at, w.next[a]);
-  w.cell[a] += w.step_[a];
-  w.next[a] += w.each[a];
-}
-
-// Where the way leaves the object within its cell, through which normal; `nowhere` if it does not.
-float leaves_at(Way w, uint index, float end, out vec3 normal) {
-  float first = nowhere;
-  normal = vec3(0);
-  for (int s = 0; s < 2 && index != 0; ++s) {
-    const GpuFacet side = cut_cells[index].side[s];
-    const float size = length(side.area_vector);
-    if (side.area <= 0 || size <= 0.5 * side.area) continue;
-    const vec3 n = side.area_vector / size;
-    const float rate = dot(n, w.along), off = dot(n, w.from - vec3(w.cell) - side.centre);
-    if (rate <= 1e-6 || off + rate * end <= 1e-4) continue;
-    const float t = max(w.at, -off / rate);
-    if (t < first) {
-      first = t;
-      normal = n;
-    }
-  }
-  return first;
-}
 
 struct Beam {
   uvec3 start, left;  // units

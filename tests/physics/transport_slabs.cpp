@@ -109,6 +109,7 @@ class TransportSlabs : public GpuTest {
 TEST_F(TransportSlabs, Report) { compare(Transport::report, 64); }
 TEST_F(TransportSlabs, Directional) { compare(Transport::directional, 64); }
 TEST_F(TransportSlabs, Beam) { compare(Transport::beam, 64); }
+TEST_F(TransportSlabs, Gather) { compare(Transport::gather, 64); }
 TEST_F(TransportSlabs, BeamCoarse) { compare(Transport::beam, 24); }
 
 }  // namespace
