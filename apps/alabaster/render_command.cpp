@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <memory>
@@ -26,7 +27,8 @@ Request request_of(const Arguments& a) {
   Request request = a.request;
   request.size = parse_size(a.size);
   request.grid = parse_grid(a.grid);
-  request.transport = a.transport == "report" ? Transport::report : Transport::as_printed;
+  request.transport = static_cast<Transport>(
+      std::find(std::begin(transport_names), std::end(transport_names), a.transport) - std::begin(transport_names));
   request.quality = a.quality == "preview"    ? Quality::preview
                     : a.quality == "accurate" ? Quality::accurate
                                               : Quality::balanced;
@@ -94,7 +96,7 @@ void add_render(CLI::App& app) {
   command->add_option("--grid", a->grid, "cells along the longest side of each object, or auto")->capture_default_str();
   command->add_option("--tolerance", a->request.tolerance, "relative residual of the solver")->capture_default_str();
   command->add_option("--transport", a->transport, "how light enters and leaves")
-      ->check(CLI::IsMember({"report", "as-printed"}))
+      ->check(CLI::IsMember(std::vector<std::string>(std::begin(transport_names), std::end(transport_names))))
       ->capture_default_str();
   command->add_option("--components", a->components, "multiple,surface")
       ->delimiter(',')

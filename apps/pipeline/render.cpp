@@ -4,6 +4,8 @@
 #include <chrono>
 #include <memory>
 
+#include "lighting/beam_source.h"
+#include "lighting/directional_source.h"
 #include "lighting/facet_source.h"
 
 namespace alabaster {
@@ -29,21 +31,73 @@ struct Body {
   std::size_t object = 0;
   Domain domain;
   std::unique_ptr<Diffusion> diffusion;
-  std::unique_ptr<FacetSource> source;
+  std::unique_ptr<FacetSource> source;             // of these, the transport's
+  std::unique_ptr<DirectionalSource> directional;
+  std::unique_ptr<BeamSource> beam;
+  std::unique_ptr<GatherExit> gather;
 };
 
-void solve(gpu::Context& context, const Lighting& lighting, Body& body, double eta, RenderResult& result) {
-  {
-    Stage stage(result, "gamma_s");
-    gpu::Commands commands(context);
-    body.source->record(commands, lighting, body.diffusion->facet_medium(), eta);
-    commands.submit();
+void make_source(gpu::Context& context, Transport transport, Body& body) {
+  if (transport == Transport::directional)
+    body.directional = std::make_unique<DirectionalSource>(context, body.domain);
+  else if (transport == Transport::beam || transport == Transport::gather)
+    body.beam = std::make_unique<BeamSource>(context, body.domain, body.diffusion->channels());
+  else
+    body.source = std::make_unique<FacetSource>(context, body.domain);
+}
+
+/// Records the object's light; what it returns holds once the commands have run.
+FacetLight record_light(gpu::Commands& commands, const Lighting& lighting, const Body& body, double eta) {
+  const Diffusion& d = *body.diffusion;
+  const gpu::Buffer& media = d.facet_medium();
+  if (body.beam) {
+    body.beam->record(commands, lighting, {d.kappa(), d.absorption(), media, d.kappa_scale(), d.channels()}, eta);
+    FacetLight light(body.beam->gamma_s(), 2);
+    light.query = &body.beam->query_gamma();
+    light.entered = &body.beam->entered();
+    light.volume = &body.beam->power();
+    return light;
   }
+  if (body.directional) {
+    body.directional->record(commands, lighting, media, eta);
+    FacetLight light(body.directional->gamma_s(), 2);
+    light.query = &body.directional->query_gamma();
+    light.entered = &body.directional->entered();
+    return light;
+  }
+  body.source->record(commands, lighting, media, eta);
+  return FacetLight(body.source->gamma_s(), 2);
+}
+
+/// From the diffuse field's balance to all light's. The near light's boundary source feeds the field, carried on to the surface,
+/// what that absorbs too much (shared/beam.h): it is in both sums and taken out of both.
+void add_beams(const BeamTotals& beams, EnergyBalance& energy) {
+  const glm::dvec3 too_much = energy.in - (beams.near + beams.in_cells);
+  energy.in = beams.entered;
+  energy.absorbed += beams.absorbed - too_much;
+  energy.out += beams.through;
+}
+
+FacetLight make_light(gpu::Context& context, const Lighting& lighting, Body& body, double eta, RenderResult& result) {
+  Stage stage(result, "gamma_s");
+  gpu::Commands commands(context);
+  FacetLight light = record_light(commands, lighting, body, eta);
+  commands.submit();
+  if (body.beam) light.volume_power = body.beam->totals().in_cells;
+  return light;
+}
+
+void solve(gpu::Context& context, const Lighting& lighting, Body& body, double eta, RenderResult& result) {
+  const FacetLight light = make_light(context, lighting, body, eta, result);
   Stage stage(result, "solve");
   ObjectReport& report = result.objects.emplace_back();
-  const FacetLight light(body.source->gamma_s(), 2);
   report.solver = body.diffusion->solve(light);
   report.energy = body.diffusion->energy(light);
+  if (body.beam) add_beams(body.beam->totals(), report.energy);
+  if (!body.gather) return;
+  gpu::Commands commands(context);
+  body.gather->record(commands);
+  commands.submit();
 }
 
 /// R, G, B become the sum of the wanted layers; the others' planes are emptied.
@@ -118,7 +172,9 @@ RenderResult render_scene(gpu::Context& context, const Scene& scene, const Plan&
       Stage stage(result, "solver set-up");
       body.diffusion = std::make_unique<Diffusion>(context, *solver_passes, *fluence_passes, body.domain, medium,
                                                    object.eta, options);
-      body.source = std::make_unique<FacetSource>(context, body.domain);
+      make_source(context, plan.transport, body);
+      if (plan.transport == Transport::gather)
+        body.gather = std::make_unique<GatherExit>(context, body.domain, *body.diffusion, *body.beam, object.eta);
     }
     solve(context, *lighting, body, object.eta, result);
     report_on(object, body, plan.channels, result);
@@ -131,13 +187,14 @@ RenderResult render_scene(gpu::Context& context, const Scene& scene, const Plan&
                        {},
                        plan.camera,
                        {plan.size},
-                       plan.transport == Transport::report ? Exit::report : Exit::as_printed};
+                       plan.transport == Transport::as_printed ? Exit::as_printed : Exit::report};
   for (const auto& body : bodies) {
     const Diffusion& d = *body->diffusion;
     input.surfaces.push_back({static_cast<int>(body->object),
                               {&d.surface(0), &d.surface(1)},
                               {&d.surface_gamma(0), &d.surface_gamma(1)},
-                              body->domain.frame});
+                              body->domain.frame,
+                              body->gather.get()});
   }
   result.shaded = shading->shade(input);
   keep_components(plan.components, result.shaded.picture);

@@ -36,7 +36,8 @@ FluencePasses::FluencePasses(gpu::Context& c)
     : assemble{c, "diffusion/operator.comp", {1}},
       scale{c, "diffusion/scale.comp"},
       facets{{c, "diffusion/facets.comp", {0}}, {c, "diffusion/facets.comp", {1}}},
-      source{{c, "diffusion/source.comp", {1, 0}}, {c, "diffusion/source.comp", {1, 1}}},
+      source{{{c, "diffusion/source.comp", {1, 0, 0}}, {c, "diffusion/source.comp", {1, 0, 1}}},
+             {{c, "diffusion/source.comp", {1, 1, 0}}, {c, "diffusion/source.comp", {1, 1, 1}}}},
       rescale{c, "diffusion/rescale.comp", {1}},
       absorbed{c, "diffusion/absorbed.comp", {1}},
       energy{c, "diffusion/energy.comp"},
@@ -59,6 +60,7 @@ Diffusion::Diffusion(gpu::Context& context, const DiffusionPasses& solver_passes
       f_dt_(1 - internal_diffuse_reflectance(eta)),
       cut_count_(static_cast<int>(domain.summary.cut_cells) + 1),
       tiles_(tile_list(context, domain)),
+      kappa_(packed_image(context, domain.frame.cells, medium.channels, 1, "kappa")),
       absorption_(packed_image(context, domain.frame.cells, medium.channels, 1, "absorption")),
       surface_{surface_image(context, domain, "surface fluence, up"),
                surface_image(context, domain, "surface fluence, down")},
@@ -84,6 +86,7 @@ Diffusion::Diffusion(gpu::Context& context, const DiffusionPasses& solver_passes
 void Diffusion::set_medium(const MediumSamples& medium) {
   kappa_scale_ = medium.kappa_scale;
   gpu::upload(context_, multigrid_.finest().stencil, medium.kappa);
+  gpu::upload(context_, kappa_, medium.cell_kappa);
   gpu::upload(context_, absorption_, medium.absorption);
   gpu::upload(context_, facets_, medium.facets);
   const glm::vec3 resistance(A_ * kappa_scale_ / double(domain_.frame.h));
@@ -128,14 +131,17 @@ void Diffusion::record_source(gpu::Commands& commands, const FacetLight& light, 
                      {"face_fluxes", face_fluxes_},
                      {"facet_offsets", facet_offsets_}},
                     surface_push(light.sides));
-  commands.dispatch(passes_.source[corrected], multigrid_.threads(0),
+  const glm::vec3 per_power(1.0 / (kappa_scale_ * double(domain_.frame.h)));
+  commands.dispatch(passes_.source[corrected][light.volume != nullptr], multigrid_.threads(0),
                     {{"tiles", tiles_.packed},
                      {"cut_index", domain_.cut_index},
                      {"cut_cells", domain_.cut_cells},
                      {"cell_sources", cell_sources_},
                      {"face_fluxes", face_fluxes_},
+                     {"scales", scales_},
+                     {"volume_power", light.volume ? *light.volume : absorption_},
                      {"rhs", pcg_.rhs()}},
-                    surface_push());
+                    SourcePush{domain_.frame.cells, cut_count_, per_power});
 }
 
 void Diffusion::record_rescale(gpu::Commands& commands) {
@@ -170,6 +176,7 @@ void Diffusion::record_surface(gpu::Commands& commands, const FacetLight& light)
                      {"volume", domain_.volume},
                      {"phi", pcg_.solution()},
                      {"gamma_s", light.gamma_s},
+                     {"query_gamma", *light.query},
                      {"facets", facets_},
                      {"phi_up", surface_[0]},
                      {"phi_down", surface_[1]},
@@ -182,7 +189,7 @@ void Diffusion::record_surface(gpu::Commands& commands, const FacetLight& light)
 bool Diffusion::adopt_light(const FacetLight& light) {
   gpu::Commands commands(context_);
   commands.dispatch(passes_.scale, {256 * multigrid_.channels(), 1, 1},
-                    {{"gamma_s", light.gamma_s}, {"scales", scales_}}, surface_push(light.sides));
+                    {{"gamma_s", *light.entered}, {"scales", scales_}}, surface_push(light.sides));
   commands.submit();
   const FluenceScale* scales = static_cast<const FluenceScale*>(scales_.mapped());
   return std::all_of(scales, scales + multigrid_.channels(),
@@ -226,6 +233,7 @@ EnergyBalance Diffusion::energy(const FacetLight& light) {
                     {{"cut_index", domain_.cut_index},
                      {"cut_cells", domain_.cut_cells},
                      {"gamma_s", light.gamma_s},
+                     {"query_gamma", *light.query},
                      {"facets", facets_},
                      {"scales", scales_},
                      {"partials", pcg_.partials()},
@@ -239,7 +247,7 @@ EnergyBalance Diffusion::energy(const FacetLight& light) {
   EnergyBalance balance;
   for (int c = 0; c < 3; ++c) {
     const int channel = std::min(c, multigrid_.channels() - 1);
-    balance.in[c] = sums[channel].in_;
+    balance.in[c] = sums[channel].in_ + light.volume_power[channel];
     balance.out[c] = sums[channel].out_;
     balance.absorbed[c] =
         double(sums[channel].absorbed) * scales[channel].unit * kappa_scale_[channel] * domain_.frame.h;

@@ -11,7 +11,8 @@ namespace alabaster {
 /// The passes around the linear solver, made once a context.
 struct FluencePasses {
   explicit FluencePasses(gpu::Context& context);
-  gpu::Pass assemble, scale, facets[2], source[2], rescale, absorbed, energy, gradient, surface;  // [corrected]
+  gpu::Pass assemble, scale, facets[2], source[2][2], rescale, absorbed, energy, gradient,
+      surface;  // [corrected][in cells]
 };
 
 /// Where a channel's light went, W: in = integral Gamma_s; absorbed = integral sigma_a phi; out = what the render query
@@ -21,13 +22,18 @@ struct EnergyBalance {
   double imbalance() const;  // largest |in - absorbed - out| / in over the channels with light
 };
 
-/// Gamma_s on the facets, W/m^2: `sides` vec3 (one channel takes red) for every cut cell of the domain, entry 0
-/// included, with the factor exp(-sigma_a/sigma_s') of facet_medium(); 2 where the sides of the surface
-/// (GpuCutCell::side) have their own.
+/// What drives the fluence. On the facets, W/m^2: `sides` vec3 (one channel takes red) for every cut cell of the
+/// domain, entry 0 included; 2 where the sides of the surface (GpuCutCell::side) have their own.
 struct FacetLight {
-  FacetLight(const gpu::Buffer& buffer, int entries = 1) : gamma_s(buffer), sides(entries) {}
-  const gpu::Buffer& gamma_s;
+  FacetLight(const gpu::Buffer& buffer, int entries = 1)
+      : gamma_s(buffer), sides(entries), query(&buffer), entered(&buffer) {}
+  const gpu::Buffer& gamma_s;  // of the boundary condition: phi + 2 A kappa d_n phi = 4 gamma_s / F_dt
   int sides;
+  const gpu::Buffer* query;    // the Gamma_s that the render query subtracts
+  const gpu::Buffer* entered;  // as large as all that enters: sets the unit of fluence
+  // Source in the cells, W, packed like kappa (shared/diffusion.h), and its sum; none without.
+  const gpu::Image* volume = nullptr;
+  glm::dvec3 volume_power{0};
 };
 
 class Diffusion {
@@ -49,14 +55,18 @@ class Diffusion {
   /// trilinearly at a point of the surface it gives phi there. One channel fills r, g and b.
   /// There are two, for the two sides of a thin part: 0 for normals that point mainly up an axis, 1 for down.
   const gpu::Image& surface(int side = 0) const { return surface_[side]; }
-  /// Gamma_s of the facets for the surface query, W/m^2, in the same form.
+  /// Gamma_s of the facets for the surface query (FacetLight::query), W/m^2, in the same form.
   const gpu::Image& surface_gamma(int side = 0) const { return surface_gamma_[side]; }
   /// FacetMedium for every cut cell.
   const gpu::Buffer& facet_medium() const { return facets_; }
   Multigrid& multigrid() { return multigrid_; }
   Pcg& pcg() { return pcg_; }
+  int channels() const { return multigrid_.channels(); }
   double A() const { return A_; }
-  double kappa_scale(int channel) const { return kappa_scale_[channel]; }  // m
+  /// The medium cell by cell, packed: kappa / kappa_scale() and sigma_a h^2 / kappa_scale().
+  const gpu::Image& kappa() const { return kappa_; }
+  const gpu::Image& absorption() const { return absorption_; }
+  glm::dvec3 kappa_scale() const { return kappa_scale_; }
   /// FluenceScale of each channel: fluence = unit * (pcg().solution() + pcg().solution_rest()).
   const gpu::Buffer& scales() const { return scales_; }
   const gpu::Buffer& facet_conductances() const { return conductances_; }
@@ -75,7 +85,7 @@ class Diffusion {
   double A_, f_dt_;
   int cut_count_;  // entry 0 included
   TileList tiles_;
-  gpu::Image absorption_, surface_[2], surface_gamma_[2];
+  gpu::Image kappa_, absorption_, surface_[2], surface_gamma_[2];
   gpu::Buffer facets_, conductances_, scales_, gradients_, energy_sums_;
   gpu::Buffer cell_sources_, face_fluxes_, facet_offsets_;
   SolverOptions options_;

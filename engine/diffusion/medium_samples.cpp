@@ -114,6 +114,7 @@ class Averaging {
     out_.channels = channels;
     out_.kappa.assign(volume_.size() * channels * DIFFUSION_FINEST_ENTRIES, 0.f);
     out_.absorption.assign(volume_.size() * channels, 0.f);
+    out_.cell_kappa.assign(volume_.size() * channels, 0.f);
     out_.facets.resize(cut_cells_.size());
     out_.kappa_scale = glm::dvec3(0);
     // Faces need the layer below: the first of a run of layers is sampled twice.
@@ -155,10 +156,13 @@ class Averaging {
         layer.solid[in_layer] = 0;
         if (volume_[i] <= 0) continue;
         const GpuCutCell& cut = cut_cells_[cut_index_[i]];
-        const glm::dvec3 corner(x, y, z), absorbed = sample_cell(corner, cut, layer, in_layer);
+        const glm::dvec3 corner(x, y, z);
+        const CellMean mean = sample_cell(corner, cut, layer, in_layer);
         if (!largest) continue;
-        for (int c = 0; c < out_.channels; ++c)
-          out_.absorption[c * volume_.size() + i] = static_cast<float>(absorbed[c] * h_ * h_);
+        for (int c = 0; c < out_.channels; ++c) {
+          out_.absorption[c * volume_.size() + i] = static_cast<float>(mean.sigma_a[c] * h_ * h_);
+          out_.cell_kappa[c * volume_.size() + i] = static_cast<float>(1 / mean.resistivity[c]);
+        }
         for (int s = 0; s < pattern_.count(); ++s)
           if (layer.solid[in_layer] >> s & 1)
             *largest = glm::max(*largest, 1.0 / glm::dvec3(layer.resistivity[in_layer * pattern_.count() + s]));
@@ -178,11 +182,14 @@ class Averaging {
     return bent ? behind(cut.side[0]) && behind(cut.side[1]) : behind(cut.facet);
   }
 
-  /// Mean sigma_a, 1/m, of the solid part. The points are moved so that their mean is the centroid: what varies
-  /// linearly has no error.
-  glm::dvec3 sample_cell(glm::dvec3 corner, const GpuCutCell& cut, Layer& layer, std::size_t in_layer) const {
+  struct CellMean {  // over the solid part, 1/m
+    glm::dvec3 sigma_a, resistivity;
+  };
+
+  /// The points are moved so that their mean is the centroid: what varies linearly has no error.
+  CellMean sample_cell(glm::dvec3 corner, const GpuCutCell& cut, Layer& layer, std::size_t in_layer) const {
     std::uint64_t solid = 0;
-    glm::dvec3 mean(0), sigma_a(0);
+    glm::dvec3 mean(0), sigma_a(0), resistivities(0);
     for (int s = 0; s < pattern_.count() && pattern_.m() > 1; ++s)
       if (in_solid(cut, pattern_[s])) solid |= std::uint64_t(1) << s, mean += pattern_[s];
     const int count = std::popcount(solid);
@@ -193,7 +200,7 @@ class Averaging {
       const MediumPoint m = medium_at(corner + centre);
       std::fill(values, values + pattern_.count(), glm::vec3(resistivity(m)));
       layer.solid[in_layer] = pattern_.count() == 64 ? ~std::uint64_t(0) : (std::uint64_t(1) << pattern_.count()) - 1;
-      return m.sigma_a;
+      return {m.sigma_a, resistivity(m)};
     }
     layer.solid[in_layer] = solid;
     for (int s = 0; s < pattern_.count(); ++s) {
@@ -201,9 +208,10 @@ class Averaging {
       const MediumPoint m = medium_at(corner + pattern_[s] + shift);
       values[s] = glm::vec3(resistivity(m));
       sigma_a += m.sigma_a;
+      resistivities += resistivity(m);
     }
     layer.texture[in_layer] = texture_of(values, solid, count);
-    return sigma_a / double(count);
+    return {sigma_a / double(count), resistivities / double(count)};
   }
 
   /// Of a bounded function of the resistivity: what is ten times the mean may not hide all else.
@@ -235,11 +243,11 @@ class Averaging {
   FacetMedium facet_medium(glm::dvec3 corner, const GpuCutCell& cut) const {
     if (pattern_.m() == 1) {
       const MediumPoint m = medium_at(corner + glm::dvec3(cut.centre));
-      return {glm::vec3(1.0 / resistivity(m)), glm::vec3(reduced_at(m))};
+      return facet_point(m);
     }
     const int m = pattern_.m();
     Parallel conduction;
-    glm::dvec3 reduced(0);
+    glm::dvec3 reduced(0), absorbed(0);
     for (const GpuFacet& side : cut.side) {
       const double length = glm::length(glm::dvec3(side.area_vector));
       if (side.area <= 0 || length <= 0) continue;
@@ -252,7 +260,7 @@ class Averaging {
         const int a = column % m, b = column / m;
         const glm::dvec3 top =
             corner + glm::dvec3(side.centre) + edge * ((a + 0.5) / m - 0.5) * u + edge * ((b + 0.5) / m - 0.5) * v;
-        glm::dvec3 resistance(0), arrives(1), first(0), share(0);
+        glm::dvec3 resistance(0), arrives(1), first(0), share(0), sigma_a(0);
         for (int s = 0; s < m; ++s) {
           const MediumPoint here = medium_at(top - depth * pattern_.along(s, a, b) * normal);
           const glm::dvec3 optical = (here.sigma_s_reduced + here.sigma_a) * (depth * h_ / m);
@@ -261,16 +269,23 @@ class Averaging {
           share += collides;
           arrives *= passes;
           resistance += resistivity(here) / double(m);
+          sigma_a += here.sigma_a / double(m);
         }
         conduction.add(side.area, 1, resistance);
         reduced += double(side.area) * first / share;
+        absorbed += double(side.area) * sigma_a;
       }
     }
     if (conduction.weights <= 0) {
       const MediumPoint point = medium_at(corner + glm::dvec3(cut.centre));
-      return {glm::vec3(1.0 / resistivity(point)), glm::vec3(reduced_at(point))};
+      return facet_point(point);
     }
-    return {glm::vec3(conduction.kappa()), glm::vec3(reduced / conduction.weights)};
+    return {glm::vec3(conduction.kappa()), glm::vec3(reduced / conduction.weights),
+            glm::vec3(absorbed / conduction.weights)};
+  }
+
+  FacetMedium facet_point(const MediumPoint& m) const {
+    return {glm::vec3(1.0 / resistivity(m)), glm::vec3(reduced_at(m)), glm::vec3(m.sigma_a)};
   }
 
   static glm::dvec3 reduced_at(const MediumPoint& m) {
@@ -374,6 +389,7 @@ class Averaging {
     };
     scale_part(out_.kappa);
     scale_part(out_.absorption);
+    scale_part(out_.cell_kappa);
   }
 
   const GridFrame frame_;

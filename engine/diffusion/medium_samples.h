@@ -45,6 +45,7 @@ struct MediumSamples {
   /// axis, in parallel across it. DIFFUSION_FINEST_ENTRIES a cell, the last unused.
   std::vector<float> kappa;
   std::vector<float> absorption;    // sigma_a h^2 / kappa_scale, mean over the volume
+  std::vector<float> cell_kappa;    // kappa / kappa_scale of the mean extinction: what a beam meets in the cell
   std::vector<FacetMedium> facets;  // by index of cut cell, of the layer between surface and unknown; entry 0 unused
   glm::dvec3 kappa_scale{1};        // m: the channel's largest kappa
 };

@@ -85,7 +85,7 @@ int choose_grid(const Scene& scene, const Request& request, Plan& plan, std::uin
 
 }  // namespace
 
-const char* name_of(Transport transport) { return transport == Transport::report ? "report" : "as-printed"; }
+const char* name_of(Transport transport) { return transport_names[static_cast<int>(transport)]; }
 const char* name_of(Component component) { return component == Component::multiple ? "multiple" : "surface"; }
 
 std::uint64_t bytes_per_cell(int channels) { return 100 + 110 * std::uint64_t(channels); }

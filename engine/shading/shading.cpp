@@ -241,7 +241,16 @@ ShadedPicture Shading::shade(const Input& input) const {
     if (rectangle.low.x >= rectangle.high.x || rectangle.low.y >= rectangle.high.y) continue;
     TranslucentPush push = translucent_push(input, surface, rays);
     push.corner = rectangle.low;
+    if (surface.gather) push.exit_scale = 0;
     commands.dispatch(translucent_, {rectangle.high - rectangle.low, 1}, bindings, push);
+    if (!surface.gather) continue;
+    const auto gathered_timer = commands.time("gathered");
+    if (!gathered_) gathered_ = std::make_unique<gpu::Pass>(context_, "shading/gathered.comp");
+    bindings = surface.gather->picture_bindings();
+    for (const char* name : {"visible", "positions", "triangles", "multiple", "surface", "fluence", "gamma_s", "normals"})
+      bindings.push_back(*std::find_if(shared.begin(), shared.end(),
+                                       [&](const gpu::Binding& b) { return std::string(name) == b.name; }));
+    commands.dispatch(*gathered_, {rectangle.high - rectangle.low, 1}, bindings, push);
   }
   commands.submit();
   return planes(context_, sums, size);

@@ -1,12 +1,14 @@
 // The picture of a lit scene: what each pixel sees, the surface query on translucent objects, plain shading elsewhere.
 #pragma once
 
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "domain/grid_frame.h"
 #include "image/picture.h"
 #include "lighting/lighting.h"
+#include "shading/gather_exit.h"
 
 namespace alabaster {
 
@@ -22,6 +24,7 @@ struct TranslucentSurface {
   // no closer to the path tracer on any grid tried.
   const gpu::Image* gamma_s[2] = {nullptr, nullptr};
   GridFrame frame;  // of all; texel (i, j, k) is at origin + h (i + 0.5, ...)
+  const GatherExit* gather = nullptr;  // where set, light leaves by it and not by the query
 };
 
 struct Frame {
@@ -62,6 +65,7 @@ class Shading {
   gpu::Sampler linear_, nearest_;
   gpu::RasterPass visibility_;
   gpu::Pass plain_, translucent_;
+  mutable std::unique_ptr<gpu::Pass> gathered_;  // made when first wanted
 };
 
 }  // namespace alabaster

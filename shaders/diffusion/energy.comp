@@ -1,5 +1,5 @@
 // Light in and out through the facets, W, and the sum of what absorbed.comp left; one workgroup a channel.
-//   in = sum S Gamma_s; out = sum S (F_dt / 4) bracket(phi_b), the query's radiance integrated over the hemisphere:
+//   in = sum S entering_flux; out = sum S (F_dt / 4) bracket(phi_b), the query's radiance integrated over the hemisphere:
 //   integral F_t cos / (4 pi eta^2) = pi (1 - F_dr,ext) / (4 pi eta^2) = F_dt / 4.
 #version 460
 #extension GL_EXT_scalar_block_layout : require
@@ -13,6 +13,7 @@ layout(binding = 3, scalar) readonly buffer Scales { FluenceScale scales[]; };
 layout(binding = 4, scalar) readonly buffer Partials { float partials[]; };
 layout(binding = 5, rgba32f) uniform readonly image3D phi;
 layout(binding = 7, scalar) readonly buffer FacetOffsets { float facet_offsets[]; };
+layout(binding = 8, scalar) readonly buffer QueryGamma { vec3 query_gamma[]; };  // as gamma_s
 layout(binding = 6, scalar) writeonly buffer Sums { EnergySums sums[]; };
 shared vec3 shares[256];
 
@@ -26,12 +27,12 @@ void main() {
     for (int side = 0; side < 2; ++side) {
       GpuFacet facet = cut_cells[i].side[side];
       if (facet.area <= 0) continue;
-      float gamma = gamma_of(i, side)[channel];
+      float gamma = gamma_of(i, side)[channel], query = query_gamma[push.sides == 2 ? 2 * i + side : i][channel];
       float depth = max(facet.distance, least_distance) * push.h / facets[i].kappa[channel];
       float surface = dsbc_surface_fluence(own, dsbc_source(gamma, push.f_dt), push.A, depth);
       float area = facet.area * push.h * push.h;
-      sum.x += area * gamma;
-      sum.z += area * (push.f_dt / 4) * query_bracket(surface, gamma, push.A, push.f_dt);
+      sum.x += area * entering_flux(gamma, query, push.A, push.f_dt);
+      sum.z += area * (push.f_dt / 4) * query_bracket(surface, query, push.A, push.f_dt);
     }
   }
   for (int i = lane; i < partials_per_channel; i += 256) sum.y += partials[channel * partials_per_channel + i];

@@ -1,13 +1,16 @@
-// The right-hand side from what facets.comp left for the cut cells and their faces.
+// The right-hand side from what facets.comp left for the cut cells and their faces, and from the source in the cells.
 #version 460
 #extension GL_GOOGLE_include_directive : require
-#define LEVEL_PUSH SurfacePush
+#define LEVEL_PUSH SourcePush
 #include "diffusion/level.glsl"
 #include "diffusion/cut.glsl"
 layout(constant_id = 1) const int corrected = 0;
+layout(constant_id = 2) const int in_cells = 0;
 layout(binding = 3, scalar) readonly buffer CellSources { float cell_sources[]; };  // [channel][cut cell]
 layout(binding = 4, scalar) readonly buffer FaceFluxes { float face_fluxes[]; };    // [channel][cut cell][face]
+layout(binding = 5, scalar) readonly buffer Scales { FluenceScale scales[]; };
 layout(binding = 6, rgba32f) uniform writeonly image3D rhs;
+layout(binding = 7, rgba32f) uniform readonly image3D volume_power;  // W
 
 // What the cut cells around a whole cell send into it: entry 0 sends nothing.
 float from_neighbours(ivec3 cell, int channel) {
@@ -31,5 +34,7 @@ void main() {
     b[lane] = cell_sources[channel * push.count + index];
     if (corrected != 0 && index == 0) b[lane] = from_neighbours(c, channel);
   }
+  float unit = scales[channel].unit;
+  if (in_cells != 0 && unit > 0) b += (push.per_power[channel] / unit) * imageLoad(volume_power, t);
   imageStore(rhs, t, b);
 }

@@ -1,4 +1,4 @@
-// phi and Gamma_s at cell centres, to be sampled trilinearly anywhere on the surface; twice, for the two sides of a thin
+// phi and the query's Gamma_s at cell centres, to be sampled trilinearly anywhere on the surface; twice, for the two sides of a thin
 // part (domain/facet_class.glsl), which may have their own light and their own phi within one cell. Where there is one side
 // only, both images say the same.
 // phi: inner cells as they are, cut cells carried from the centroid to the centre along their gradient, slivers and cells
@@ -16,6 +16,7 @@ layout(binding = 4, scalar) readonly buffer Gradients { vec4 gradients[]; };
 layout(binding = 5, rgba32f) uniform readonly image3D volume;
 layout(binding = 6, rgba32f) uniform readonly image3D phi;
 #include "diffusion/light.glsl"
+layout(binding = 15, scalar) readonly buffer QueryGamma { vec3 query_gamma[]; };  // as gamma_s
 layout(binding = 9, rgba32f) uniform writeonly image3D phi_up;
 layout(binding = 10, rgba32f) uniform writeonly image3D phi_down;
 layout(binding = 11, rgba32f) uniform writeonly image3D gamma_up;
@@ -51,7 +52,7 @@ struct SideSums {
 void add(inout SideSums sums[2], uint index) {
   for (int side = 0; side < 2; ++side) {
     GpuFacet facet = cut_cells[index].side[side];
-    sums[side].gamma += facet.area * vec4(gamma_of(index, side), 1);
+    sums[side].gamma += facet.area * vec4(query_gamma[push.sides == 2 ? 2 * index + side : index], 1);
     sums[side].normal += facet.area_vector;
   }
 }

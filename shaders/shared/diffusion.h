@@ -67,6 +67,7 @@ struct CgScalars {
 struct FacetMedium {
   vec3 kappa;              // m
   vec3 reduced_intensity;  // exp(-sigma_a / sigma_s')
+  vec3 sigma_a;            // 1/m
 };
 
 // Unit of a channel's fluence inside the solver.
@@ -80,6 +81,12 @@ struct OperatorPush {
   int count;        // of cut cells, entry 0 included
   vec3 resistance;   // A kappa_scale / h of each channel
   vec3 kappa_scale;  // m
+};
+
+struct SourcePush {
+  ivec3 cells;
+  int count;       // of cut cells, entry 0 included
+  vec3 per_power;  // 1 / (h kappa_scale) of each channel, 1/m^2
 };
 
 struct SurfacePush {

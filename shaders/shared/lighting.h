@@ -72,6 +72,14 @@ struct FacetPush {
   uint cut_cells;   // entries of Domain::cut_cells
 };
 
+// Light that enters with its direction kept: shaders/lighting/directional_source.comp.
+struct EntryPush {
+  uint receivers;
+  float eta;
+  float f_dt_outer;  // 1 - F_dr of diffuse light from outside
+  float A, f_dt;     // of the surface from inside
+};
+
 SHARED_FN real spot_share(real cosine, real scale, real offset) {
   real share = min(max(scale * cosine + offset, real(0)), real(1));
   return share * share;

@@ -79,6 +79,39 @@ SHARED_FN real query_radiance(real bracket, real f_t, real exit_scale) {
   return f_t * exit_scale * bracket * real(0.07957747154594767);  // 1 / (4 pi)
 }
 
+// The directional source: a beam that enters a half space with cosine mu inside, solved by P1 with its volume source
+//   -kappa phi'' + sigma_a phi = sigma_s' e^(-z sigma_t' / mu) / mu,  phi - 2 A kappa phi' = 0 at z = 0,
+// and written as a source on the boundary plus a share that leaves where it entered. Lengths in 1 / sigma_t'; `absorbed` is
+// 1 - a' = sigma_a / sigma_t'; s = 2 A kappa / l, l the diffusion length. Both are shares of the flux that entered.
+// Below the first few mean free paths the fluence is the beam's own if phi + 2 A kappa d_n phi = 4 f / F_dt: f has a pole at
+// kappa = sigma_a mu^2, where the beam decays like the diffuse light, and is bounded to 1.2 times its form without absorption.
+SHARED_FN real directional_boundary(real mu, real absorbed, real A, real f_dt) {
+  real decay = real(1) - real(3) * absorbed * mu * mu;
+  real growth = decay * real(1.2) > real(1) - absorbed ? (real(1) - absorbed) / decay : real(1.2);
+  return real(0.75) * f_dt * (mu + real(2) * A / real(3)) * growth;
+}
+
+// What P1 sends back of the beam, all told: rho = a' / ((1 + mu / l)(1 + s)).
+SHARED_FN real directional_reflectance(real mu, real absorbed, real A) {
+  real per_length = sqrt(real(3) * absorbed);  // 1 / l
+  return (real(1) - absorbed) / ((real(1) + mu * per_length) * (real(1) + real(2) * A * per_length / real(3)));
+}
+
+// c = rho - f (1 - 2 s / (A F_dt (1 + s))): what leaves where it entered, so that a half space reflects rho. Without
+// absorption c = 1 - f. May be negative.
+SHARED_FN real directional_exit(real mu, real absorbed, real A, real f_dt) {
+  real s = real(2) * A * sqrt(real(3) * absorbed) / real(3);
+  return directional_reflectance(mu, absorbed, A) -
+         directional_boundary(mu, absorbed, A, f_dt) * (real(1) - real(2) * s / (A * f_dt * (real(1) + s)));
+}
+
+// Flux that a boundary source gamma_s with the query's gamma_q brings into the object, W/m^2: the flux of the DSBC into the
+// volume plus what the query says leaves. gamma_q = gamma_s in the report; with the shares above gamma_s = f E and
+// gamma_q = f E - A c E, which is (f + c) E.
+SHARED_FN real entering_flux(real gamma_s, real gamma_q, real A, real f_dt) {
+  return (real(2) * gamma_s / f_dt - gamma_q) / A;
+}
+
 ALABASTER_END_SHARED
 
 #endif

@@ -163,7 +163,7 @@ TEST_F(MediumVeins, ASheetOfHighKappaCarriesItsFlux) {
         if (cut.facet.area_vector.y <= 0.5 * cut.facet.area) continue;
         in += B[i] * (dsbc_source(double(gamma[i].x), body.f_dt()) - phi.at(cut.cell));
       }
-      const double scale = body.diffusion().kappa_scale(0) * h;  // of the matrix, theory in twin_problem.h
+      const double scale = body.diffusion().kappa_scale()[0] * h;  // of the matrix, theory in twin_problem.h
       kept[averaged].add(in * scale / flux);
     }
   std::printf("sheet of high kappa: mean %.4f, %.4f to %.4f; one sample a cell %.4f to %.4f\n", kept[1].mean(),

@@ -120,6 +120,7 @@ void GpuDiffusionSurface::check_surface() {
                      {"volume", domain.volume},
                      {"phi", body.diffusion().pcg().solution()},
                      {"gamma_s", gamma_buffer},
+                     {"query_gamma", gamma_buffer},
                      {"facets", body.diffusion().facet_medium()},
                      {"phi_up", images[0]},
                      {"phi_down", images[1]},
@@ -313,7 +314,13 @@ TEST_F(GpuDiffusionSurface, FacetsAndSourceEqualTwin) {
   const Multigrid& multigrid = body.diffusion().multigrid();
   const std::vector<float> stencil = gpu::download<float>(context, body.diffusion().multigrid().finest().stencil);
   const std::vector<float> B = gpu::download<float>(context, body.diffusion().facet_conductances());
-  for (bool corrected : {false, true}) {
+  const gpu::Image power_image = packed_image(context, n, channels, 1, "power in the cells");
+  std::vector<float> power(volume.size() * channels);
+  std::uniform_real_distribution<float> uniform(0, 1);
+  for (std::size_t i = 0; i < power.size(); ++i) power[i] = volume[i % volume.size()] > 0 ? uniform(engine) : 0;
+  gpu::upload(context, power_image, power);
+  const glm::vec3 per_power(0.5f, 2.f, 30.f);
+  for (const auto& [corrected, in_cells] : {std::pair(false, false), {true, false}, {false, true}}) {
     gpu::Image& rhs = body.diffusion().pcg().rhs();
     gpu::Commands commands(context);
     commands.dispatch(passes.facets[corrected], {cut.size(), channels, 1},
@@ -329,14 +336,16 @@ TEST_F(GpuDiffusionSurface, FacetsAndSourceEqualTwin) {
                        {"face_fluxes", face_fluxes},
                        {"facet_offsets", facet_offsets}},
                       push());
-    commands.dispatch(passes.source[corrected], multigrid.threads(0),
+    commands.dispatch(passes.source[corrected][in_cells], multigrid.threads(0),
                       {{"tiles", multigrid.tiles().packed},
                        {"cut_index", domain.cut_index},
                        {"cut_cells", domain.cut_cells},
                        {"cell_sources", cell_sources},
                        {"face_fluxes", face_fluxes},
+                       {"scales", scale_buffer},
+                       {"volume_power", power_image},
                        {"rhs", rhs}},
-                      push());
+                      SourcePush{n, static_cast<int>(cut.size()), per_power});
     commands.submit();
     const std::vector<float> got = gpu::download<float>(context, rhs);
     const std::vector<float> below = gpu::download<float>(context, facet_offsets);
@@ -379,7 +388,10 @@ TEST_F(GpuDiffusionSurface, FacetsAndSourceEqualTwin) {
             b[at(lower)] -= flux;
           }
         });
-      for (std::size_t i = 0; i < b.size(); ++i) source.add(got[c * b.size() + i], b[i]);
+      for (std::size_t i = 0; i < b.size(); ++i) {
+        if (in_cells) b[i] += double(per_power[c]) * power[c * b.size() + i] / scales[c].unit;
+        source.add(got[c * b.size() + i], b[i]);
+      }
       EXPECT_EQ(offset.value > 0, corrected);
       EXPECT_LE(offset.apart, 1e-5 * offset.value) << c;
       EXPECT_GT(source.value, 0);
@@ -418,6 +430,7 @@ TEST_F(GpuDiffusionSurface, EnergyEqualsTwin) {
                     {{"cut_index", domain.cut_index},
                      {"cut_cells", domain.cut_cells},
                      {"gamma_s", gamma_buffer},
+                     {"query_gamma", gamma_buffer},
                      {"facets", body.diffusion().facet_medium()},
                      {"scales", scale_buffer},
                      {"partials", pcg.partials()},

@@ -25,6 +25,14 @@ class Furnace : public GpuTest {
     return test::furnace_figures(result.shaded.picture);
   }
 
+  void all(const Mesh& mesh) {
+    for (Transport t : {Transport::directional, Transport::beam, Transport::gather})
+      for (double eta : {1.0, 1.3, 1.5}) {
+        const test::FurnaceResult r = render(mesh, eta, t);
+        std::printf("%s eta %.1f: mean %.5f, worst pixel %.5f off\n", name_of(t), eta, r.mean, r.worst);
+      }
+  }
+
   void expect_exact(const Mesh& mesh) {
     for (double eta : {1.0, 1.3, 1.5}) {
       const test::FurnaceResult r = render(mesh, eta);
@@ -38,6 +46,8 @@ class Furnace : public GpuTest {
   }
 };
 
+TEST_F(Furnace, AllSphere) { all(icosphere(5)); }
+TEST_F(Furnace, AllBox) { all(transformed(box({1, 0.7f, 0.8f}), rotation({1, 2, 0.5}, 35))); }
 TEST_F(Furnace, Sphere) { expect_exact(icosphere(5)); }
 TEST_F(Furnace, Ellipsoid) { expect_exact(ellipsoid(5, {1, 0.6f, 0.8f})); }
 TEST_F(Furnace, Box) { expect_exact(transformed(box({1, 0.7f, 0.8f}), rotation({1, 2, 0.5}, 35))); }

@@ -1,0 +1,90 @@
+#include "lighting/beam_source.h"
+
+#include <algorithm>
+
+namespace alabaster {
+
+static_assert(sizeof(BeamPush) == 64);
+
+glm::dvec3 beam_unit(const LightSamples& lights, const GridFrame& frame) {
+  const double h = frame.h;
+  const glm::dvec3 low = frame.origin, high = low + h * glm::dvec3(frame.cells);
+  glm::dvec3 most = M_PI * glm::dvec3(lights.environment);  // W/m^2 from one sample
+  for (const LightSample& light : lights.area) {
+    const glm::dvec3 at = light.position;
+    const double distance = glm::length(glm::max(glm::max(low - at, at - high), glm::dvec3(0)));
+    most = glm::max(most, glm::dvec3(light.intensity) / std::max(distance * distance, h * h));
+  }
+  return most * (4 * h * h / BEAM_MOST_UNITS);  // a facet is seldom larger than 2 h^2
+}
+
+BeamSource::BeamSource(gpu::Context& context, const Domain& domain, int channels)
+    : domain_(domain),
+      channels_(channels),
+      receivers_(context, domain),
+      march_(context, "lighting/beam_march.comp"),
+      source_(context, "lighting/beam_source.comp"),
+      counters_(context, 2 * 3 * BEAM_COUNTERS * sizeof(std::uint32_t), "beam counters", gpu::Memory::host),
+      gamma_s_(context, receivers_.count() * sizeof(glm::vec3), "beam Gamma_f"),
+      query_gamma_(context, receivers_.count() * sizeof(glm::vec3), "beam query Gamma"),
+      entered_(context, receivers_.count() * sizeof(glm::vec3), "beam entered flux"),
+      near_(context, receivers_.count() * sizeof(glm::vec4), "beam near light") {
+  const glm::ivec3 n = domain.frame.cells;
+  const std::size_t words = std::size_t(n.x) * n.y * n.z * channels;
+  deposits_ = gpu::Buffer(context, words * sizeof(std::uint32_t), "beam deposits");
+  carries_ = gpu::Buffer(context, words * sizeof(std::uint32_t), "beam carries");
+  power_ = gpu::image3d(context, {n.x / 4, n.y, n.z * channels}, VK_FORMAT_R32G32B32A32_SFLOAT, "beam power");
+}
+
+void BeamSource::record(gpu::Commands& commands, const Lighting& lighting, const BeamMedium& medium, double eta) {
+  receivers_.record(commands);
+  const auto timer = commands.time("beams");
+  const SurfaceOptics optics(eta);
+  const glm::ivec3 n = domain_.frame.cells;
+  unit_ = beam_unit(lighting.samples(), domain_.frame);
+  const BeamPush push{n,
+                      static_cast<int>(receivers_.count() / 2),
+                      channels_,
+                      static_cast<float>(eta),
+                      static_cast<float>(optics.f_dt_outer),
+                      static_cast<float>(optics.A),
+                      static_cast<float>(optics.f_dt),
+                      domain_.frame.h,
+                      glm::vec3(medium.kappa_scale),
+                      glm::vec3(unit_)};
+  for (const gpu::Buffer* sums : {&deposits_, &carries_, &counters_}) commands.fill(*sums);
+  gpu::Bindings bindings = lighting.bindings();
+  for (const gpu::Binding& binding : gpu::Bindings{{"receivers", receivers_.buffer()},
+                                                   {"media", medium.facets},
+                                                   {"cut_index", domain_.cut_index},
+                                                   {"cut_cells", domain_.cut_cells},
+                                                   {"volume", domain_.volume},
+                                                   {"kappa", medium.kappa},
+                                                   {"absorption", medium.absorption},
+                                                   {"deposits", deposits_},
+                                                   {"carries", carries_},
+                                                   {"counters", counters_},
+                                                   {"gamma_s", gamma_s_},
+                                                   {"query_gamma", query_gamma_},
+                                                   {"entered", entered_},
+                                                   {"near_light", near_}})
+    bindings.push_back(binding);
+  commands.dispatch(march_, {push.count, 1, 1}, bindings, push);
+  commands.dispatch(source_, {n.x / 4, n.y, n.z * channels_},
+                    {{"deposits", deposits_}, {"carries", carries_}, {"power", power_}}, push);
+}
+
+BeamTotals BeamSource::totals() const {
+  const std::uint32_t* words = static_cast<const std::uint32_t*>(counters_.mapped());
+  const auto sum = [&](int counter) {
+    glm::dvec3 watts(0);
+    for (int c = 0; c < 3; ++c) {
+      const int k = 3 * counter + std::min(c, channels_ - 1);
+      watts[c] = unit_[c] * (words[k] + 4294967296.0 * words[3 * BEAM_COUNTERS + k]);
+    }
+    return watts;
+  };
+  return {sum(BEAM_ENTERED), sum(BEAM_NEAR), sum(BEAM_IN_CELLS), sum(BEAM_ABSORBED), sum(BEAM_THROUGH)};
+}
+
+}  // namespace alabaster

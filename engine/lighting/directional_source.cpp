@@ -1,0 +1,38 @@
+#include "lighting/directional_source.h"
+
+#include "shared/optics.h"
+
+namespace alabaster {
+
+SurfaceOptics::SurfaceOptics(double index)
+    : eta(index),
+      f_dt_outer(1 - diffuse_reflectance(index)),
+      A(boundary_constant(internal_diffuse_reflectance(index))),
+      f_dt(1 - internal_diffuse_reflectance(index)) {}
+
+EntryPush SurfaceOptics::push(std::uint32_t receivers) const {
+  return {receivers, static_cast<float>(eta), static_cast<float>(f_dt_outer), static_cast<float>(A),
+          static_cast<float>(f_dt)};
+}
+
+DirectionalSource::DirectionalSource(gpu::Context& context, const Domain& domain)
+    : receivers_(context, domain),
+      pass_(context, "lighting/directional_source.comp"),
+      gamma_s_(context, receivers_.count() * sizeof(glm::vec3), "directional Gamma_f"),
+      query_gamma_(context, receivers_.count() * sizeof(glm::vec3), "directional query Gamma"),
+      entered_(context, receivers_.count() * sizeof(glm::vec3), "entered flux") {}
+
+void DirectionalSource::record(gpu::Commands& commands, const Lighting& lighting, const gpu::Buffer& media,
+                               double eta) const {
+  receivers_.record(commands);
+  const auto timer = commands.time("entry");
+  gpu::Bindings bindings = lighting.bindings();
+  bindings.push_back({"receivers", receivers_.buffer()});
+  bindings.push_back({"media", media});
+  bindings.push_back({"gamma_s", gamma_s_});
+  bindings.push_back({"query_gamma", query_gamma_});
+  bindings.push_back({"entered", entered_});
+  commands.dispatch(pass_, {receivers_.count(), 1, 1}, bindings, SurfaceOptics(eta).push(receivers_.count()));
+}
+
+}  // namespace alabaster

@@ -1,0 +1,86 @@
+#include "shading/gather_exit.h"
+
+#include "shared/optics.h"
+
+namespace alabaster {
+namespace {
+
+gpu::Image cell_image(gpu::Context& context, const Domain& domain, const char* name) {
+  return gpu::image3d(context, domain.frame.cells, VK_FORMAT_R32G32B32A32_SFLOAT, name);
+}
+
+GatherGrid grid_of(const Domain& domain, const Diffusion& diffusion, double eta) {
+  const SurfaceOptics optics(eta);
+  return {domain.frame.cells,
+          diffusion.channels(),
+          domain.frame.origin,
+          domain.frame.h,
+          glm::vec3(diffusion.kappa_scale()),
+          static_cast<float>(eta),
+          static_cast<float>(optics.A),
+          static_cast<float>(optics.f_dt)};
+}
+
+}  // namespace
+
+GatherExit::GatherExit(gpu::Context& context, const Domain& domain, const Diffusion& diffusion, const BeamSource& beam,
+                       double eta)
+    : domain_(domain),
+      diffusion_(diffusion),
+      beam_(beam),
+      push_{domain.frame.cells, static_cast<int>(domain.summary.cut_cells) + 1},
+      density_pass_(context, "shading/beam_density.comp"),
+      spread_pass_(context, "shading/spread_facets.comp"),
+      level_pass_(context, "shading/gather_level.comp"),
+      linear_(context, gpu::Filter::linear),
+      grid_(gpu::make_buffer(context, std::vector<GatherGrid>{grid_of(domain, diffusion, eta)}, "gather grid")),
+      levels_(context, 2 * push_.count * sizeof(glm::vec4), "gather levels"),
+      density_(cell_image(context, domain, "beam density")),
+      near_{cell_image(context, domain, "near light, up"), cell_image(context, domain, "near light, down")},
+      level_{cell_image(context, domain, "gather level, up"), cell_image(context, domain, "gather level, down")} {}
+
+gpu::Bindings GatherExit::ray_bindings() const {
+  return {{"grid", grid_},
+          {"cut_index", domain_.cut_index},
+          {"cut_cells", domain_.cut_cells},
+          {"volume", domain_.volume},
+          {"kappa", diffusion_.kappa()},
+          {"absorption", diffusion_.absorption()},
+          {"beam_density", density_, linear_},
+          {"near_up", near_[0], linear_},
+          {"near_down", near_[1], linear_},
+          {"field_up", diffusion_.surface(0), linear_},
+          {"field_down", diffusion_.surface(1), linear_},
+          {"drive_up", diffusion_.surface_gamma(0), linear_},
+          {"drive_down", diffusion_.surface_gamma(1), linear_}};
+}
+
+gpu::Bindings GatherExit::picture_bindings() const {
+  gpu::Bindings bindings = ray_bindings();
+  bindings.push_back({"level_up", level_[0], linear_});
+  bindings.push_back({"level_down", level_[1], linear_});
+  return bindings;
+}
+
+void GatherExit::record_spread(gpu::Commands& commands, const gpu::Buffer& values, const gpu::Image* images) const {
+  commands.dispatch(spread_pass_, glm::uvec3(domain_.frame.cells),
+                    {{"values", values},
+                     {"cut_index", domain_.cut_index},
+                     {"cut_cells", domain_.cut_cells},
+                     {"up", images[0]},
+                     {"down", images[1]}},
+                    push_);
+}
+
+void GatherExit::record(gpu::Commands& commands) const {
+  const auto timer = commands.time("gather levels");
+  commands.dispatch(density_pass_, glm::uvec3(domain_.frame.cells),
+                    {{"grid", grid_}, {"volume", domain_.volume}, {"power", beam_.power()}, {"density", density_}});
+  record_spread(commands, beam_.near(), near_);
+  gpu::Bindings bindings = ray_bindings();
+  bindings.push_back({"levels", levels_});
+  commands.dispatch(level_pass_, {2 * push_.count, 1, 1}, bindings, push_);
+  record_spread(commands, levels_, level_);
+}
+
+}  // namespace alabaster

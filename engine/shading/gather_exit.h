@@ -1,0 +1,37 @@
+// The exit of `--transport gather`: radiance gathered along the refracted view ray, its level on each facet set by the flux that
+// the diffusion equation sends out there. So the diffusion equation keeps the energy, and the gather says in which direction.
+#pragma once
+
+#include "diffusion/diffusion.h"
+#include "lighting/beam_source.h"
+#include "shared/gather.h"
+
+namespace alabaster {
+
+class GatherExit {
+ public:
+  GatherExit(gpu::Context& context, const Domain& domain, const Diffusion& diffusion, const BeamSource& beam, double eta);
+
+  /// After the solve: densities and levels (stage "gather levels").
+  void record(gpu::Commands& commands) const;
+
+  /// What shading/gathered.comp needs beside the picture's own.
+  gpu::Bindings picture_bindings() const;
+  /// Levels of the facets' two sides, to be sampled on the surface.
+  const gpu::Image& level(int side) const { return level_[side]; }
+
+ private:
+  gpu::Bindings ray_bindings() const;
+  void record_spread(gpu::Commands& commands, const gpu::Buffer& values, const gpu::Image* images) const;
+
+  const Domain& domain_;
+  const Diffusion& diffusion_;
+  const BeamSource& beam_;
+  GatherPicturePush push_;
+  gpu::Pass density_pass_, spread_pass_, level_pass_;
+  gpu::Sampler linear_;
+  gpu::Buffer grid_, levels_;
+  gpu::Image density_, near_[2], level_[2];
+};
+
+}  // namespace alabaster

@@ -1,0 +1,271 @@
+// Marches every light sample from each facet into the object and lays down what it loses: one thread a cut cell.
+//
+// In each cell the beam loses units by exp(-sigma_t' s) with the cell's reduced coefficients; the scattered share becomes a
+// source, the rest is absorbed. A loss between two cells' centroids along the way is shared between them so that its mean depth
+// below the entry is kept. What is lost nearer to the facet than a cell can tell goes to the boundary condition (buried_*,
+// shared/beam.h): so nothing depends on the grid where the mean free path is below a cell. At the far side the Fresnel share
+// leaves for good and the mirrored share is marched on.
+#version 460
+#extension GL_EXT_scalar_block_layout : require
+#extension GL_GOOGLE_include_directive : require
+#include "lighting/arrivals.glsl"
+#include "shared/beam.h"
+#include "shared/diffusion.h"
+#include "shared/domain.h"
+layout(local_size_x = 64) in;
+layout(push_constant, scalar) uniform Constants { BeamPush push; };
+layout(binding = 3, scalar) readonly buffer Receivers { Receiver receivers[]; };  // two a cut cell
+layout(binding = 4, scalar) readonly buffer Media { FacetMedium media[]; };       // one a cut cell
+layout(binding = 5, r32ui) uniform readonly uimage3D cut_index;
+layout(binding = 6, scalar) readonly buffer CutCells { GpuCutCell cut_cells[]; };
+layout(binding = 7, rgba32f) uniform readonly image3D volume;
+layout(binding = 8, rgba32f) uniform readonly image3D kappa;       // in kappa_scale
+layout(binding = 9, rgba32f) uniform readonly image3D absorption;  // sigma_a h^2 / kappa_scale
+#define GRID push
+#include "domain/way.glsl"
+layout(binding = 10, scalar) buffer Deposits { uint deposits[]; };  // units scattered, [channel][cell], low words
+layout(binding = 11, scalar) buffer Carries { uint carries[]; };    // high words
+layout(binding = 12, scalar) buffer Counters { uint counters[]; };
+// Two a cut cell:
+layout(binding = 13, scalar) writeonly buffer GammaS { vec3 gamma_s[]; };          // of the boundary condition, W/m^2
+layout(binding = 14, scalar) writeonly buffer QueryGamma { vec3 query_gamma[]; };  // of the render query
+layout(binding = 15, scalar) writeonly buffer Entered { vec3 entered[]; };         // all that enters
+layout(binding = 16, scalar) writeonly buffer Near { vec4 near_light[]; };         // scattered near the facet, W/m^2; mean cosine
+
+const int counter_words = 3 * BEAM_COUNTERS;
+// Cells (h): what is scattered nearer than this to its facet drives the boundary condition, where the object is that deep.
+const float near_depth = 0.75;
+
+uvec3 totals[BEAM_COUNTERS];  // of the beam under way
+vec3 near_sum, boundary_sum, leaving_sum;  // of the facet, units
+float near_cosine;
+
+void lay_down(ivec3 cell, uvec3 units) {
+  totals[BEAM_IN_CELLS] += units;
+  for (int c = 0; c < push.channels; ++c) {
+    if (units[c] == 0) continue;
+    const uint at = uint(cell.x + push.cells.x * (cell.y + push.cells.y * (cell.z + c * push.cells.z)));
+    const uint old = atomicAdd(deposits[at], units[c]);
+    if (old + units[c] < old) atomicAdd(carries[at], 1u);
+  }
+}
+
+void count_totals() {
+  for (int k = 0; k < BEAM_COUNTERS; ++k)
+    for (int c = 0; c < push.channels; ++c) {
+      const uint v = totals[k][c];
+      if (v == 0) continue;
+      const uint old = atomicAdd(counters[3 * k + c], v);
+      if (old + v < old) atomicAdd(counters[counter_words + 3 * k + c], 1u);
+      totals[k][c] = 0;
+    }
+}
+
+uvec3 share_of(uvec3 units, vec3 share) { return min(units, uvec3(floor(vec3(units) * clamp(share, 0, 1) + 0.5))); }
+
+struct Beam {
+  uvec3 start, left;  // units
+  vec3 depth;         // optical, since start
+};
+
+// Takes what is lost over `length` from the beam; returns the scattered part and counts the absorbed.
+uvec3 lose(inout Beam b, Solid s, float length_) {
+  b.depth += s.sigma_t * length_;
+  const uvec3 now = min(b.left, uvec3(vec3(b.start) * exp(-b.depth)));
+  const uvec3 lost = b.left - now, scattered = share_of(lost, s.albedo);
+  b.left = now;
+  totals[BEAM_ABSORBED] += lost - scattered;
+  return scattered;
+}
+
+vec3 mean_place(Solid s, float length_) {  // of the losses over it, 0 to length
+  return length_ * vec3(loss_place(s.sigma_t.x * length_), loss_place(s.sigma_t.y * length_), loss_place(s.sigma_t.z * length_));
+}
+
+// Where the beam entered.
+struct Facet {
+  uint index;  // of the cut cell
+  vec3 origin, normal;  // h, from the grid's corner; outward
+  float mu;             // refracted cosine
+  float near;           // h: near_depth, or less where the object is thinner
+};
+
+void drive_boundary(uvec3 units, vec3 depth, Facet f) {
+  totals[BEAM_NEAR] += units;
+  for (int c = 0; c < push.channels; ++c) {
+    const float kap = media[f.index].kappa[c], z = depth[c] * push.h, power = float(units[c]);
+    const float per_length = sqrt(media[f.index].sigma_a[c] / kap), cosh_ = buried_cosh(z, per_length);
+    const float boundary = buried_boundary(z, per_length, kap, push.A, push.f_dt);
+    near_sum[c] += power;
+    near_cosine += power * f.mu;
+    boundary_sum[c] += power * boundary;
+    leaving_sum[c] += power * (cosh_ - boundary);
+  }
+}
+
+// A cell on the way that still waits for its share of what the next one loses.
+struct Node {
+  ivec3 cell;
+  bool open;
+  float depth;        // of its centroid below the entry, h
+  uvec3 units;        // to lay down there
+  uvec3 behind;       // lost behind its centroid
+  vec3 behind_depth;  // h, mean
+};
+
+void close_node(inout Node n) {
+  if (n.open) lay_down(n.cell, n.units + n.behind);
+  n.open = false;
+}
+
+// Shares what was lost behind the centroid of the node before with the one that follows; returns how far they lie apart,
+// 0 where that is too little to tell depths by.
+float join(inout Node before, inout Node here) {
+  const float apart = before.open ? here.depth - before.depth : 0;
+  if (apart < 0.2) return 0;
+  const uvec3 forward = share_of(before.behind, (before.behind_depth - before.depth) / apart);
+  here.units += forward;
+  before.behind -= forward;
+  return apart;
+}
+
+// The losses of one cell from w.at to `end`: nearer than f.near, in front of the centroid, behind it. `direct`: no mirror yet.
+void cross_cell(Way w, float end, Solid s, Facet f, bool direct, inout Beam beam, inout Node node) {
+  const vec3 middle = vec3(w.cell) + cut_cells[imageLoad(cut_index, w.cell).r].centre;
+  Node here = Node(w.cell, true, dot(f.origin - middle, f.normal), uvec3(0), uvec3(0), vec3(0));
+  if (!direct) {
+    here.units = lose(beam, s, end - w.at);
+  } else {
+    const float apart = join(node, here);
+    float from = w.at, to = clamp(f.near / f.mu, from, end);
+    if (to > from) {
+      const vec3 depth = (from + mean_place(s, to - from)) * f.mu;
+      drive_boundary(lose(beam, s, to - from), depth, f);
+    }
+    from = to;
+    to = clamp(here.depth / f.mu, from, end);
+    if (to > from) {
+      const vec3 depth = (from + mean_place(s, to - from)) * f.mu;
+      const uvec3 lost = lose(beam, s, to - from);
+      const uvec3 back = apart > 0 ? share_of(lost, (here.depth - depth) / apart) : uvec3(0);
+      node.units += back;
+      here.units += lost - back;
+    }
+    here.behind_depth = (to + mean_place(s, end - to)) * f.mu;
+    here.behind = lose(beam, s, end - to);
+  }
+  close_node(node);
+  node = here;
+}
+
+// Lays the rest of a spent beam down, one more mean free path on.
+void spend(Solid s, float at, Facet f, bool direct, inout Beam beam, inout Node node) {
+  const uvec3 scattered = share_of(beam.left, s.albedo);
+  totals[BEAM_ABSORBED] += beam.left - scattered;
+  if (direct && at * f.mu < f.near)
+    drive_boundary(scattered, min((at + 1 / max(s.sigma_t, vec3(1e-6))) * f.mu, vec3(f.near)), f);
+  else
+    node.units += scattered;
+  beam.left = uvec3(0);
+}
+
+void march(Facet f, ivec3 cell, vec3 along, uvec3 units) {
+  Way w = way_from(f.origin, along, cell);
+  Beam beam = Beam(units, units, vec3(0));
+  Node node;
+  node.open = false;
+  int mirrors = 0;
+  bool inside = false;
+  const int most_steps = 4 * (push.cells.x + push.cells.y + push.cells.z);
+  for (int n = 0; n < most_steps; ++n) {
+    const Solid s = solid_at(w.cell);
+    if (!s.there) {
+      if (inside || w.at > 2) break;
+      step_on(w);
+      continue;
+    }
+    inside = true;
+    vec3 normal;
+    float end = cell_end(w);
+    const float out_at = leaves_at(w, imageLoad(cut_index, w.cell).r, end, normal);
+    const bool leaves = out_at <= end;
+    if (leaves) end = out_at;
+    cross_cell(w, end, s, f, mirrors == 0, beam, node);
+    if (all(lessThanEqual(beam.left * BEAM_LEAST_SHARE, units))) {
+      spend(s, end, f, mirrors == 0, beam, node);
+      break;
+    }
+    if (!leaves) {
+      step_on(w);
+      continue;
+    }
+    const float cosine = dot(normal, w.along);
+    uvec3 mirrored = share_of(beam.left, vec3(fresnel_reflectance(cosine, 1 / push.eta)));
+    if (mirrors == BEAM_MOST_REFLECTIONS) mirrored = uvec3(0);
+    totals[BEAM_THROUGH] += beam.left - mirrored;
+    close_node(node);
+    beam = Beam(mirrored, mirrored, vec3(0));
+    if (mirrored == uvec3(0)) break;
+    ++mirrors;
+    w = way_from(w.from + end * w.along, normalize(w.along - 2 * cosine * normal), w.cell);
+  }
+  close_node(node);
+  totals[BEAM_THROUGH] += beam.left;  // fell out where the surface is bent
+}
+
+// How deep the near light may reach: where the object is thinner than that, to the cell's centroid.
+float near_of(GpuFacet side, vec3 origin, vec3 normal) {
+  const bool deep = solid_at(ivec3(floor(origin - 1.25 * normal))).there && solid_at(ivec3(floor(origin - 0.75 * normal))).there;
+  return deep ? near_depth : min(side.distance, near_depth);
+}
+
+void light_side(uint index, int s) {
+  const uint at = 2 * index + s;
+  const GpuFacet side = cut_cells[index].side[s];
+  const Receiver receiver = receivers[at];
+  const ivec3 own = cut_cells[index].cell;
+  Facet f = Facet(index, vec3(own) + side.centre, receiver.normal, 0, 0);
+  f.near = near_of(side, f.origin, f.normal);
+  // The middle of a piece of surface that a neighbour gave lies in that neighbour's cell.
+  const ivec3 cell = any(greaterThan(abs(side.centre - 0.5), vec3(0.51))) ? ivec3(floor(f.origin)) : own;
+  const vec3 environment = environment_share(receiver, push.eta, push.f_dt_outer);
+  const float area = side.area * push.h * push.h;
+  vec3 all = vec3(0);
+  near_sum = boundary_sum = leaving_sum = vec3(0);
+  near_cosine = 0;
+  for (uint i = 0; i < arrivals(); ++i) {
+    const Arrival light = arrival(i, receiver, push.eta, environment);
+    all += light.flux;
+    uvec3 units = uvec3(0);
+    for (int c = 0; c < push.channels; ++c)
+      if (push.unit[c] > 0) units[c] = uint(min(floor(light.flux[c] * area / push.unit[c] + 0.5), BEAM_MOST_UNITS));
+    if (units == uvec3(0)) continue;
+    f.mu = max(refracted_cosine(light.cosine, push.eta), 1e-4);
+    totals[BEAM_ENTERED] += units;
+    march(f, cell, normalize((light.cosine * f.normal - light.towards) / push.eta - f.mu * f.normal), units);
+    if ((i & 63u) == 63u) count_totals();
+  }
+  count_totals();
+  const vec3 flux = push.unit / area;
+  const float near_power = near_sum.x + near_sum.y + near_sum.z;
+  gamma_s[at] = boundary_sum * flux;
+  query_gamma[at] = (boundary_sum - push.A * leaving_sum) * flux;
+  near_light[at] = vec4(near_sum * flux, near_power > 0 ? near_cosine / near_power : 1);
+  entered[at] = all;
+}
+
+void main() {
+  const uint index = gl_GlobalInvocationID.x;
+  if (index >= push.count) return;
+  for (int k = 0; k < BEAM_COUNTERS; ++k) totals[k] = uvec3(0);
+  bool there[2];
+  for (int s = 0; s < 2; ++s) {
+    there[s] = index != 0 && cut_cells[index].side[s].area > 0 && receivers[2 * index + s].normal != vec3(0);
+    if (there[s]) continue;
+    gamma_s[2 * index + s] = query_gamma[2 * index + s] = entered[2 * index + s] = vec3(0);
+    near_light[2 * index + s] = vec4(0);
+  }
+  // Most cells have one side: the lanes of a CPU march together then.
+  if (there[0] || there[1]) light_side(index, there[0] ? 0 : 1);
+  if (there[0] && there[1]) light_side(index, 1);
+}

@@ -1,0 +1,107 @@
+// What arrives at a point of the surface from inside, along one direction: the source sigma_s' (phi + phi_b) gathered along the
+// ray, and at its far end what the surface there mirrors. Takes bindings 16 to 26.
+#include "domain/facet_class.glsl"
+#include "shared/domain.h"
+#include "shared/gather.h"
+layout(binding = 16, scalar) uniform Grid { GatherGrid grid; };
+layout(binding = 17, r32ui) uniform readonly uimage3D cut_index;
+layout(binding = 18, scalar) readonly buffer CutCells { GpuCutCell cut_cells[]; };
+layout(binding = 19, rgba32f) uniform readonly image3D volume;
+layout(binding = 20, rgba32f) uniform readonly image3D kappa;
+layout(binding = 21, rgba32f) uniform readonly image3D absorption;
+layout(binding = 22) uniform sampler3D beam_density;  // scattered by beams in the cells, W/m^3
+layout(binding = 23) uniform sampler3D near_up;       // scattered near the facets, W/m^2; mean cosine
+layout(binding = 24) uniform sampler3D near_down;
+layout(binding = 25) uniform sampler3D field_up;      // phi for the surface's two sides, W/m^2
+layout(binding = 26) uniform sampler3D field_down;
+layout(binding = 27) uniform sampler3D drive_up;      // the query's Gamma
+layout(binding = 28) uniform sampler3D drive_down;
+#define GRID grid
+#include "domain/way.glsl"
+
+vec3 place_of(vec3 p) { return p / vec3(grid.cells); }
+
+vec3 field(vec3 p, bool down) {
+  return max(down ? texture(field_down, place_of(p)).rgb : texture(field_up, place_of(p)).rgb, vec3(0));
+}
+
+// Bracket of the render query at a point of the surface: 4 / F_dt of the flux that leaves.
+vec3 bracket_at(vec3 p, bool down) {
+  const vec3 phi = field(p, down), gamma = down ? texture(drive_down, place_of(p)).rgb : texture(drive_up, place_of(p)).rgb;
+  return max((1 + 1 / grid.A) * phi - 4 * gamma / (grid.f_dt * grid.A), vec3(0));
+}
+
+// Between the two sheets of a thin part phi is that of the nearer one.
+bool side_at(vec3 p, ivec3 cell, bool down) {
+  const uint index = imageLoad(cut_index, cell).r;
+  if (index == 0) return down;
+  const GpuFacet up = cut_cells[index].side[0], other = cut_cells[index].side[1];
+  if (up.area <= 0 || other.area <= 0) return down;
+  const vec3 at = p - vec3(cell);
+  const float to_up = abs(dot(normalize(up.area_vector), at - up.centre)),
+              to_down = abs(dot(normalize(other.area_vector), at - other.centre));
+  return to_down < to_up;
+}
+
+vec3 near_part(vec3 p, bool down, Solid s, float cosine) {
+  const vec4 near_ = down ? texture(near_down, place_of(p)) : texture(near_up, place_of(p));
+  vec3 sum = vec3(0);
+  for (int c = 0; c < 3; ++c) {
+    const int k = min(c, grid.channels - 1);
+    const float m = near_mean_depth(max(near_.a, 0.05), max(0.75 * s.sigma_t[k], 1e-4));
+    sum[c] = near_gather(near_[c], m, s.albedo[k], cosine);
+  }
+  return sum;
+}
+
+// 4 pi times the radiance that arrives at `from` (h, from the grid's corner), on the surface with this normal, along -`along`
+// (unit, inwards), W/m^2.
+vec3 gather_along(vec3 from, vec3 normal, vec3 along) {
+  const bool down = (facet_class(normal) & 1) == 1;
+  Way w = way_from(from, along, ivec3(floor(from - 1e-3 * normal)));
+  vec3 sum = vec3(0), left = vec3(1);
+  bool inside = false;
+  const int most_steps = grid.cells.x + grid.cells.y + grid.cells.z;
+  for (int n = 0; n < most_steps; ++n) {
+    Solid s = solid_at(w.cell);
+    if (!s.there) {
+      if (inside || w.at > 2) break;
+      step_on(w);
+      continue;
+    }
+    if (grid.channels == 1) s.sigma_t = s.sigma_t.rrr, s.albedo = s.albedo.rrr;
+    if (!inside) sum += near_part(from, down, s, -dot(normal, along));
+    inside = true;
+    vec3 far_normal;
+    float end = cell_end(w);
+    const float out_at = leaves_at(w, imageLoad(cut_index, w.cell).r, end, far_normal);
+    const bool leaves = out_at <= end;
+    if (leaves) end = out_at;
+    const float length_ = end - w.at;
+    const vec3 depth = s.sigma_t * length_, lost = left * (1 - exp(-depth));
+    for (int c = 0; c < 3; ++c) {
+      if (c > 0 && grid.channels == 1) break;
+      const vec3 p = w.from + (w.at + length_ * loss_place(depth[c])) * along;
+      const float beams = texture(beam_density, place_of(p))[c] * grid.h / max(s.sigma_t[c], 1e-6);
+      sum[c] += lost[c] * (s.albedo[c] * field(p, side_at(p, w.cell, down))[c] + beams);
+    }
+    left -= lost;
+    const vec3 at_end = w.from + end * along;
+    if (min(left.x, min(left.y, left.z)) * exp(GATHER_DEEP) < 1 && max(left.x, max(left.y, left.z)) * exp(GATHER_DEEP) < 1) {
+      sum += left * s.albedo * field(at_end, down);
+      break;
+    }
+    if (leaves) {
+      const float mirrored = fresnel_reflectance(dot(far_normal, along), 1 / grid.eta);
+      sum += left * mirrored * bracket_at(at_end, (facet_class(far_normal) & 1) == 1);
+      break;
+    }
+    step_on(w);
+  }
+  return grid.channels == 1 ? sum.rrr : sum;
+}
+
+// Inwards, from the direction that it leaves by outside.
+vec3 refracted_inwards(vec3 outside, vec3 normal, float cosine) {
+  return normalize((cosine * normal - outside) / grid.eta - refracted_cosine(cosine, grid.eta) * normal);
+}

@@ -1,0 +1,32 @@
+// Adds what leaves one translucent object by the gather along each refracted view ray, times the facets' level.
+#version 460
+#extension GL_EXT_scalar_block_layout : require
+#extension GL_GOOGLE_include_directive : require
+#include "shading/gather_ray.glsl"
+#include "visible.glsl"
+layout(local_size_x = 8, local_size_y = 8) in;
+layout(push_constant, scalar) uniform Push { TranslucentPush push; };
+layout(binding = 11) uniform sampler3D level_up;
+layout(binding = 12) uniform sampler3D level_down;
+void main() {
+  const uvec2 pixel = push.corner + gl_GlobalInvocationID.xy;
+  if (any(greaterThanEqual(pixel, push.camera.size))) return;
+  const uint samples = push.camera.edge * push.camera.edge;
+  uint todo = 0;
+  for (uint s = 0; s < samples; ++s)
+    if (sample_id(push.camera, pixel, s) - 1 - push.first < push.count) todo |= 1u << s;
+  if (todo == 0) return;
+  vec3 sum = vec3(0);
+  while (todo != 0) {
+    const Hit hit = next_hit(push.camera, pixel, todo);
+    const vec3 at = (hit.position - grid.origin) / grid.h;
+    const bool down = (facet_class(hit.normal) & 1) == 1;
+    const float cosine = clamp(dot(hit.normal, hit.to_eye), 0.001, 1);
+    const vec3 level = down ? texture(level_down, place_of(at)).rgb : texture(level_up, place_of(at)).rgb;
+    const vec3 inside = level * gather_along(at, hit.normal, refracted_inwards(hit.to_eye, hit.normal, cosine));
+    const float scale = fresnel_transmittance(cosine, grid.eta) / (4 * 3.14159265358979 * grid.eta * grid.eta);
+    sum += hit.weight * scale * inside;
+  }
+  const ivec2 at = ivec2(pixel);
+  imageStore(multiple, at, imageLoad(multiple, at) + vec4(sum, 0));
+}

@@ -1,0 +1,55 @@
+// The volume source: refracted light samples marched from their facets through the cells. Counted in whole units of power
+// (64 bits as two words), so that the order of the additions does not show and nothing is lost.
+#ifndef ALABASTER_SHARED_BEAM_H
+#define ALABASTER_SHARED_BEAM_H
+#include "optics.h"
+
+ALABASTER_BEGIN_SHARED
+
+// Most units that one beam starts with: whole numbers up to here are exact in single precision.
+#define BEAM_MOST_UNITS 16777216.0
+// A beam with less than 1 / this of its units left in every channel is laid down where it is (7 mean free paths).
+#define BEAM_LEAST_SHARE 1024u
+#define BEAM_MOST_REFLECTIONS 4
+
+// Where units went: counters [count][channel], low words, then high words.
+#define BEAM_ENTERED 0
+#define BEAM_NEAR 1      // scattered so near its facet that it drives the boundary condition
+#define BEAM_IN_CELLS 2  // scattered deeper
+#define BEAM_ABSORBED 3
+#define BEAM_THROUGH 4   // left unscattered
+#define BEAM_COUNTERS 5
+
+struct BeamPush {
+  ivec3 cells;
+  int count;        // of cut cells, entry 0 included
+  int channels;     // 1 or 3
+  float eta, f_dt_outer, A, f_dt;
+  float h;          // m
+  vec3 kappa_scale;  // m
+  vec3 unit;         // W; 0: no light in the channel
+};
+
+// Mean of t over [0, 1] weighted with exp(-x t): where in a segment of optical depth x a beam is lost.
+SHARED_FN real loss_place(real x) {
+  if (x < real(0.02)) return real(0.5) - x / real(12);
+  if (x > real(30)) return real(1) / x;
+  return real(1) / x - real(1) / (exp(x) - real(1));
+}
+
+// Light scattered at depth z below the surface drives the fluence below it as a source on the boundary would, P1 exactly:
+// phi + 2 A kappa d_n phi = 4 f / F_dt with f = F_dt (2 A cosh(z / l) + l sinh(z / l) / kappa) / 4 of its flux, and
+// the query then needs c = cosh(z / l) - f: cosh - 1 pays for what that fluence, carried on to the surface, absorbs too much.
+SHARED_FN real buried_cosh(real z, real per_length) {
+  real x = min(z * per_length, real(2));
+  return real(0.5) * (exp(x) + exp(-x));
+}
+SHARED_FN real buried_boundary(real z, real per_length, real kappa, real A, real f_dt) {
+  real x = min(z * per_length, real(2));
+  real sinh_over_x = x < real(0.01) ? real(1) + x * x / real(6) : real(0.5) * (exp(x) - exp(-x)) / x;
+  return real(0.25) * f_dt * (real(2) * A * buried_cosh(z, per_length) + z * sinh_over_x / kappa);
+}
+
+ALABASTER_END_SHARED
+
+#endif
