@@ -56,7 +56,10 @@ void run(const std::string& path) {
       std::printf("    radiance %.4g %.4g %.4g W/m^2/sr\n", object.radiance.r, object.radiance.g, object.radiance.b);
   }
   for (const Camera& camera : scene.cameras) std::printf("camera %s\n", camera.name.c_str());
-  if (scene.environment.radiance != glm::vec3(0))
+  if (scene.environment.picture)
+    std::printf("environment: a picture, %.4g W/m^2/sr in the mean over all directions\n",
+                scene.environment.picture->total() / (4 * M_PI));
+  else if (!scene.environment.dark())
     std::printf("environment: radiance %.4g %.4g %.4g W/m^2/sr from every direction\n", scene.environment.radiance.r,
                 scene.environment.radiance.g, scene.environment.radiance.b);
   const Plan plan = make_plan(scene, Request{}, UINT64_MAX / 16);

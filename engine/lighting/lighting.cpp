@@ -47,11 +47,13 @@ Lighting::Lighting(gpu::Context& context, const Scene& scene, const SceneMeshes&
       meshes_(meshes),
       samples_(sample_lights(scene, settings.samples, settings.directions)),
       compare_(context, gpu::Filter::linear, true),
+      nearest_(context, gpu::Filter::nearest),
       closed_casters_(context, "lighting/shadow.vert", "lighting/shadow.frag", depth_only(VK_CULL_MODE_BACK_BIT)),
       open_casters_(context, "lighting/shadow.vert", "lighting/shadow.frag", depth_only(VK_CULL_MODE_NONE)),
       gather_(context, "lighting/gather.comp") {
   for (const Object& object : scene.objects) closed_.push_back(object.role == Role::translucent);
   make_views(scene, settings);
+  upload_environment(scene.environment);
   shadow_maps_ = depth_maps(context, settings.map_size, views_.size());
 }
 
@@ -96,6 +98,28 @@ void Lighting::make_views(const Scene& scene, const LightSettings& settings) {
   if (!points.empty()) std::memcpy(bytes.data() + sizeof header, points.data(), points.size() * sizeof(LightPoint));
   lights_ = gpu::make_buffer(context_, bytes, "lights");
   view_buffer_ = gpu::make_buffer(context_, views, "shadow views");
+}
+
+void Lighting::upload_environment(const Environment& environment) {
+  glm::ivec2 size(1);
+  std::vector<glm::vec4> texels{glm::vec4(environment.radiance, 0)};
+  if (environment.picture) {
+    size = environment.picture->size();
+    texels.clear();
+    for (const glm::vec3& radiance : environment.picture->texels()) texels.emplace_back(radiance, 0);
+    environment_turn_ = environment.picture->turn();
+  }
+  const auto most = static_cast<int>(context_.limits().maxImageDimension2D);
+  if (std::max(size.x, size.y) > most)
+    throw UserError("environment: the picture is larger than " + std::to_string(most) +
+                    " pixels, which is the most for " + context_.info().name + "; scale it down");
+  gpu::ImageSpec spec;
+  spec.size = {size, 1};
+  spec.format = VK_FORMAT_R32G32B32A32_SFLOAT;
+  spec.type = VK_IMAGE_TYPE_2D;
+  spec.usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT;
+  environment_ = gpu::Image(context_, spec, "environment");
+  gpu::upload(context_, environment_, texels);
 }
 
 void Lighting::record_shadow_maps(gpu::Commands& commands) const {

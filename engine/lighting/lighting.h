@@ -10,7 +10,7 @@ namespace alabaster {
 
 struct LightSettings {
   int samples = 32;     // points on area lights
-  int directions = 64;  // of the environment that are tested for what blocks it
+  int directions = 64;  // of the environment: those in which a uniform one may be blocked, or parts of its picture
   int map_size = 512;   // texels along a shadow map's edge
 };
 
@@ -36,7 +36,10 @@ class Lighting {
   const LightSamples& samples() const { return samples_; }
   std::uint32_t maps() const { return static_cast<std::uint32_t>(views_.size()); }
   const gpu::Image& shadow_maps() const { return shadow_maps_; }
-  glm::vec3 environment() const { return samples_.environment; }
+  /// The environment's picture (one texel where it is uniform) for shaders that include lighting/environment.glsl, and
+  /// what it is turned by.
+  gpu::Binding environment_binding() const { return {"environment_picture", environment_, nearest_}; }
+  float environment_turn() const { return environment_turn_; }
 
  private:
   struct View {
@@ -44,6 +47,7 @@ class Lighting {
     int skip;  // object that casts no shadow in it: the light itself; -1 none
   };
   void make_views(const Scene& scene, const LightSettings& settings);
+  void upload_environment(const Environment& environment);
 
   gpu::Context& context_;
   const SceneMeshes& meshes_;
@@ -52,7 +56,9 @@ class Lighting {
   std::vector<bool> closed_;  // by object
   gpu::Buffer lights_, view_buffer_;
   gpu::Image shadow_maps_;
-  gpu::Sampler compare_;
+  gpu::Image environment_;
+  float environment_turn_ = 0;
+  gpu::Sampler compare_, nearest_;
   gpu::RasterPass closed_casters_, open_casters_;
   gpu::Pass gather_;
 };

@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "lighting/shadow_views.h"
+#include "lighting/sky_parts.h"
 #include "scene/error.h"
 
 namespace alabaster {
@@ -103,7 +104,7 @@ LightSample sample_point(const PunctualLight& light, glm::dvec3 target, int i, i
   sample.position = light.position;
   sample.normal = light.direction;
   sample.intensity = light.intensity / static_cast<float>(n);
-  sample.cone = spot_cone(light);
+  if (light.kind == Kind::spot) sample.cone = spot_cone(light);
   if (n == 1) return sample;
 
   const bool far = light.kind == Kind::directional;
@@ -121,6 +122,15 @@ LightSample sample_point(const PunctualLight& light, glm::dvec3 target, int i, i
   const double cosine = 1 - share * (1 - std::cos(light.radius));
   sample.normal = glm::normalize(cosine * forward + std::sqrt(1 - cosine * cosine) * rim);
   sample.intensity *= static_cast<float>(2 / (1 + std::cos(light.radius)));
+  return sample;
+}
+
+LightSample sample_of(const SkyPart& part) {
+  LightSample sample;
+  sample.kind = light_directional;
+  sample.normal = -part.direction;
+  sample.intensity = part.flux;
+  sample.cone.scale = part.spread;
   return sample;
 }
 
@@ -154,9 +164,12 @@ LightSamples sample_lights(const Scene& scene, int samples, int directions) {
     for (int i = 0; i < light.samples; ++i)
       result.area.push_back(light.punctual ? sample_point(*light.punctual, focus.centre, i, light.samples)
                                            : sample_point(light, scene.objects[light.object], i, light.samples));
+  if (scene.environment.picture && directions > 0)
+    for (const SkyPart& part : cut_sky(*scene.environment.picture, directions)) result.area.push_back(sample_of(part));
   if (result.area.size() > most_samples)
-    throw UserError(scene.path + ": " + std::to_string(lights.size()) + " emissive meshes and lights where " +
-                    std::to_string(most_samples) + " are the most; join some of them");
+    throw UserError(scene.path + ": " + std::to_string(lights.size()) +
+                    " emissive meshes and lights, and the environment's parts, where " + std::to_string(most_samples) +
+                    " are the most; join some of them");
 
   if (result.environment == glm::vec3(0)) return result;
   for (int i = 0; i < directions; ++i) {

@@ -15,14 +15,14 @@ struct LightSample {
   glm::vec3 intensity{0};  // W/sr along the normal (of a mesh: radiance times the area the sample stands for);
                            // directional: W/m^2 across its way
   std::uint32_t kind = light_one_sided;  // light_* (shared/lighting.h)
-  SpotCone cone{0, 0};
-  int object = -1;  // index in Scene::objects; -1 for a light without a mesh
+  SpotCone cone{0, 0};                   // of a directional light `scale` is its spread (shared/lighting.h)
+  int object = -1;                       // index in Scene::objects; -1 for a light without a mesh
 };
 
 struct LightSamples {
-  std::vector<LightSample> area;      // and of punctual lights
-  std::vector<glm::vec3> directions;  // unit, towards the environment; none where it is dark
-  glm::vec3 environment{0};           // W/m^2/sr
+  std::vector<LightSample> area;  // and of punctual lights, and parts of the environment's picture as directional ones
+  std::vector<glm::vec3> directions;  // unit, towards a uniform environment; none where it is dark or a picture
+  glm::vec3 environment{0};           // W/m^2/sr; 0 where it is a picture
 };
 
 /// A spot's fall between its cones; of other lights without meaning.
@@ -31,7 +31,8 @@ SpotCone spot_cone(const PunctualLight& light);
 /// `samples` points over all emissive meshes and punctual lights, shared out in proportion to power with at least one
 /// for each light that shines, stratified over each light's area; a punctual light takes few (its shadows have narrow
 /// edges), an ideal one a single sample. `directions` evenly spread directions (a Fibonacci sphere) of the
-/// constant environment, where it shines. Throws UserError for a negative or unbounded number.
+/// constant environment, where it shines; at most as many samples of its picture, nearer where more light comes from.
+/// Throws UserError for a negative or unbounded number.
 LightSamples sample_lights(const Scene& scene, int samples, int directions = 0);
 
 }  // namespace alabaster

@@ -37,7 +37,7 @@ bool is_grey(const Scene& scene) {
   }
   for (const PunctualLight& light : scene.lights)
     if (!is_grey(light.intensity)) return false;
-  return is_grey(scene.environment.radiance);
+  return scene.environment.grey();
 }
 
 std::uint64_t largest_object_bytes(const Scene& scene, int grid, int channels) {
@@ -110,8 +110,8 @@ Plan make_plan(const Scene& scene, const Request& request, std::uint64_t heap_by
   plan.grid = choose_grid(scene, request, plan, heap_bytes);
   const int usual = request.quality == Quality::preview ? 8 : request.quality == Quality::accurate ? 128 : 32;
   plan.light_samples = request.light_samples.value_or(usual);
-  plan.environment_samples = scene.environment.radiance == glm::vec3(0) ? 0 : 2 * usual;
-  plan.reasons.push_back("surface reflection: of the constant environment only");
+  plan.environment_samples = scene.environment.dark() ? 0 : 2 * usual;
+  plan.reasons.push_back("surface reflection: of the environment only");
   return plan;
 }
 

@@ -153,6 +153,9 @@ std::uint64_t fingerprint_of(const void* data, std::size_t bytes, std::uint64_t 
 
 std::uint64_t fingerprint_of(const Scene& scene) {
   std::uint64_t hash = hash_of(scene.environment.radiance, 0xcbf29ce484222325u);
+  if (scene.environment.picture)
+    hash = hash_of(scene.environment.picture->texels(),
+                   hash_of(scene.environment.picture->size(), hash_of(scene.environment.picture->turn(), hash)));
   for (const PunctualLight& light : scene.lights) {
     hash = hash_of(light.kind, hash_of(light.intensity, hash_of(light.position, hash_of(light.direction, hash))));
     hash = hash_of(light.inner_cone, hash_of(light.outer_cone, hash_of(light.radius, hash)));

@@ -13,7 +13,21 @@ namespace {
 constexpr float worth_guiding = 0.08f;  // chance of light below which a guide to it takes less time to equal error
 constexpr float worth_depth = 10;       // mean free paths across below which distances are not worth their making
 
+constexpr double even_sky = 0.5;    // evenness above which the environment's picture is left to chance
+const glm::ivec2 sky_cells{16, 8};  // of the picture
+
 float largest(glm::vec3 v) { return std::max({v.x, v.y, v.z}); }
+
+/// Of the translucent objects, or of all where there is none.
+Bounds what_matters(const Scene& scene) {
+  Bounds bounds, all;
+  for (const Object& object : scene.objects)
+    for (const glm::vec3& p : object.mesh.positions) {
+      all.add(p);
+      if (object.role == Role::translucent) bounds.add(p);
+    }
+  return bounds.low.x <= bounds.high.x ? bounds : all;
+}
 
 }  // namespace
 
@@ -40,8 +54,7 @@ void World::accept_or_reject(const RTCFilterFunctionNArguments* call) {
   if (entering == query->inside->holds(hit->geomID) || (entering && query->inside->full())) call->valid[0] = 0;
 }
 
-World::World(const Scene& scene, Guiding guiding)
-    : device_(rtcNewDevice(nullptr)), environment_(scene.environment.radiance) {
+World::World(const Scene& scene, Guiding guiding) : device_(rtcNewDevice(nullptr)), environment_(scene.environment) {
   if (!device_) throw std::runtime_error("Embree: no device could be made");
   scene_.reset(rtcNewScene(device_.get()));
   rtcSetSceneFlags(scene_.get(),
@@ -65,13 +78,7 @@ World::World(const Scene& scene, Guiding guiding)
   rtcCommitScene(scene_.get());
   for (std::uint32_t id = 0; id < bodies_.size(); ++id) add_lights(id);
   add_lamps(scene);
-  const double power = light_weights_.empty() ? 1 : light_weights_.back();
-  for (double& weight : light_weights_) weight /= power;
-  for (Body& body : bodies_) {
-    body.light_density = static_cast<float>(static_cast<double>(largest(body.radiance)) / power);
-    body.light_share /= static_cast<float>(power);
-  }
-  for (Lamp& lamp : lamps_) lamp.share /= static_cast<float>(power);
+  share_out_lights(scene);
   for (std::uint32_t id = 0; id < bodies_.size(); ++id)
     bodies_[id].guided = guiding == Guiding::always || (guiding == Guiding::automatic &&
                                                         chance_of_light(shapes_[id].bounds.centre()) < worth_guiding);
@@ -152,15 +159,9 @@ void World::add_lights(std::uint32_t id) {
 // Weighted as light_triangles_ are, by intensity along the normal; a directional light as a point light that would give
 // the same at twice the scene's size.
 void World::add_lamps(const Scene& scene) {
-  Bounds bounds;
   bool bends = false;
-  for (const Object& object : scene.objects) {
-    bends = bends || (object.role == Role::translucent && object.eta != 1);
-    if (object.role == Role::translucent)
-      for (const glm::vec3& p : object.mesh.positions) bounds.add(p);
-  }
-  if (bounds.low.x > bounds.high.x)
-    for (const Shape& shape : shapes_) bounds.add(shape.bounds.low), bounds.add(shape.bounds.high);
+  for (const Object& object : scene.objects) bends = bends || (object.role == Role::translucent && object.eta != 1);
+  const Bounds bounds = what_matters(scene);
   for (const PunctualLight& light : scene.lights) {
     if (light.intensity == glm::vec3(0)) continue;
     if (bends && light.radius <= 0)
@@ -175,30 +176,106 @@ void World::add_lamps(const Scene& scene) {
   }
 }
 
-// (mean radiance)^2 / (mean squared radiance) over the sphere of directions, seen without occlusion: 1 in uniform
-// light, the solid angle's share for one lamp. Its inverse is the variance of meeting light by chance.
-float World::chance_of_light(glm::vec3 from) const {
-  const float sky = largest(environment_);
-  float mean = sky, square = sky * sky;
+// The sky as a few dozen far lamps, for guides; the finer picture is drawn from where nothing bends the way.
+void World::add_sky(const Bounds& bounds) {
+  if (!environment_.picture || environment_.picture->evenness() > even_sky) return;
+  const EnvironmentPicture& picture = *environment_.picture;
+  struct Sum {
+    glm::dvec3 towards{0};
+    double light = 0;
+  };
+  std::vector<Sum> sums(static_cast<std::size_t>(sky_cells.x * sky_cells.y));
+  const glm::ivec2 size = picture.size();
+  for (int y = 0; y < size.y; ++y)
+    for (int x = 0; x < size.x; ++x) {
+      const glm::vec3 value = picture.texel({x, y});
+      const double light = picture.solid_angle(y) * static_cast<double>(value.r + value.g + value.b) / 3;
+      const glm::dvec3 towards = picture.direction((glm::dvec2(x, y) + 0.5) / glm::dvec2(size));
+      Sum& sum = sums[sky_cell(glm::vec3(towards))];
+      sum.towards += light * towards;
+      sum.light += light;
+    }
+  const double far = 100 * static_cast<double>(glm::length(bounds.size()));
+  for (const Sum& sum : sums) {
+    LightDisc disc;
+    const double length = glm::length(sum.towards);
+    if (length > 0) {
+      disc.centre = glm::vec3(glm::dvec3(bounds.centre()) + far / length * sum.towards);
+      // A disc of angular radius r shortens the sum of its directions by r^2 / 4.
+      disc.radius = static_cast<float>(far * 2 * std::sqrt(std::max(0.0, 1 - length / sum.light)));
+      disc.share = static_cast<float>(sum.light / picture.total());
+    }
+    sky_.push_back(disc);
+  }
+}
+
+std::uint32_t World::sky_cell(glm::vec3 direction) const {
+  const EnvironmentPicture& picture = *environment_.picture;
+  const glm::ivec2 cell = picture.texel_of(direction) * sky_cells / picture.size();
+  return static_cast<std::uint32_t>(cell.y * sky_cells.x + cell.x);
+}
+
+glm::vec3 World::draw_sky(Random& random) const {
+  const float row = random.uniform(), column = random.uniform(), u = random.uniform(), v = random.uniform();
+  return environment_.picture->draw({row, column, u, v});
+}
+
+// Between lamps by intensity along the normal; between them and the sky by what each sends to the middle of the
+// objects.
+void World::share_out_lights(const Scene& scene) {
+  const double power = light_weights_.empty() ? 1 : light_weights_.back();
+  const Bounds bounds = what_matters(scene);
+  add_sky(bounds);
+  if (!sky_.empty()) {
+    const float sky = static_cast<float>(environment_.picture->total()) / (4 * pi),
+                lights = lights_seen_from(bounds.centre()).mean;
+    sky_share_ = light_weights_.empty() ? 1 : std::clamp(sky / (sky + lights), 0.05f, 0.95f);
+  }
+  const float left = 1 - sky_share_;
+  for (double& weight : light_weights_) weight *= static_cast<double>(left) / power;
+  for (Body& body : bodies_) {
+    body.light_density = left * static_cast<float>(static_cast<double>(largest(body.radiance)) / power);
+    body.light_share *= left / static_cast<float>(power);
+  }
+  for (Lamp& lamp : lamps_) lamp.share *= left / static_cast<float>(power);
+  double so_far = static_cast<double>(left);
+  for (LightDisc& disc : sky_) {
+    disc.share *= sky_share_;
+    light_weights_.push_back(so_far += static_cast<double>(disc.share));
+  }
+}
+
+// Without occlusion.
+World::Shine World::lights_seen_from(glm::vec3 point) const {
+  Shine shine;
+  const auto add = [&](float share, glm::vec3 radiance) {
+    shine.mean += share * largest(radiance);
+    shine.square += share * largest(radiance) * largest(radiance);
+  };
   for (Leaving at : light_triangles_) {
     const auto corners = this->corners(at);
-    const glm::vec3 way = (corners[0] + corners[1] + corners[2]) / 3.0f - from;
+    const glm::vec3 way = (corners[0] + corners[1] + corners[2]) / 3.0f - point;
     const float cosine = -glm::dot(way, normal(at)) / std::max(glm::length(way), 1e-20f);
     const float facing = bodies_[at.object].two_sided ? std::abs(cosine) : std::max(0.0f, cosine);
     const float area = 0.5f * glm::length(glm::cross(corners[1] - corners[0], corners[2] - corners[0]));
-    const float share = std::min(0.5f, area * facing / std::max(glm::dot(way, way), 1e-20f) / (4 * pi));
-    const float radiance = largest(bodies_[at.object].radiance);
-    mean += share * radiance;
-    square += share * radiance * radiance;
+    add(std::min(0.5f, area * facing / std::max(glm::dot(way, way), 1e-20f) / (4 * pi)), bodies_[at.object].radiance);
   }
   for (const Lamp& lamp : lamps_) {
-    const glm::vec3 way = lamp.centre - from;
-    const float share = std::min(0.5f, lamp.radius * lamp.radius / std::max(glm::dot(way, way), 1e-20f) / 4);
-    const float radiance = largest(lamp.radiance);
-    mean += share * radiance;
-    square += share * radiance * radiance;
+    const glm::vec3 way = lamp.centre - point;
+    add(std::min(0.5f, lamp.radius * lamp.radius / std::max(glm::dot(way, way), 1e-20f) / 4), lamp.radiance);
   }
-  return square > 0 ? mean * mean / square : 1;
+  return shine;
+}
+
+// (mean radiance)^2 / (mean squared radiance) over the sphere of directions: 1 in uniform light, the solid angle's
+// share for one lamp. Its inverse is the variance of meeting light by chance.
+float World::chance_of_light(glm::vec3 from) const {
+  Shine shine = lights_seen_from(from);
+  const EnvironmentPicture* picture = environment_.picture.get();
+  const float sky = picture ? static_cast<float>(picture->total()) / (4 * pi) : largest(environment_.radiance);
+  shine.mean += sky;
+  shine.square += sky * sky / (picture ? static_cast<float>(picture->evenness()) : 1);
+  return shine.square > 0 ? shine.mean * shine.mean / shine.square : 1;
 }
 
 LightPick World::sample_light(Random& random) const {
@@ -207,6 +284,11 @@ LightPick World::sample_light(Random& random) const {
   const std::size_t picked =
       std::min(static_cast<std::size_t>(pick - light_weights_.begin()), light_weights_.size() - 1);
   LightPick light;
+  const std::size_t before_sky = light_triangles_.size() + lamps_.size();
+  if (picked >= before_sky) {
+    light.sky = static_cast<std::uint32_t>(picked - before_sky);
+    return light;
+  }
   if (picked >= light_triangles_.size()) {
     light.lamp = static_cast<std::uint32_t>(picked - light_triangles_.size());
     return light;

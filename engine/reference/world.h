@@ -77,6 +77,7 @@ struct LightPick {
   glm::vec3 point{0}, normal{0};
   std::uint32_t object = nothing;
   std::uint32_t lamp = nothing;
+  std::uint32_t sky = nothing;  // or a cell of the environment's picture
 };
 
 /// The disc that a light shows, for guides.
@@ -107,16 +108,25 @@ class World {
 
   const Body& body(std::uint32_t object) const { return bodies_[object]; }
   float nudge() const { return nudge_; }  // m: rays that leave a surface start this far before it
-  glm::vec3 environment() const { return environment_; }
+  glm::vec3 sky(glm::vec3 direction) const { return environment_.at(direction); }  // W/m^2/sr
+  /// Probability per solid angle that sample_light() and then draw_sky() give this direction, 1/sr; 0 where the sky is
+  /// so even that paths find it by chance.
+  float sky_density(glm::vec3 direction) const {
+    return sky_share_ > 0 ? sky_share_ * environment_.picture->density(direction) : 0;
+  }
+  glm::vec3 draw_sky(Random& random) const;
   float index_in(const Inside& inside) const { return inside.empty() ? 1.0f : bodies_[inside.top()].eta; }
   bool guided(const Inside& inside) const { return !inside.empty() && bodies_[inside.top()].guided; }
   bool has_lights() const { return !light_weights_.empty(); }
   LightPick sample_light(Random& random) const;
   const std::vector<Lamp>& lamps() const { return lamps_; }
-  /// Lights are numbered: emissive objects as objects are, then the lamps.
+  /// Lights are numbered: emissive objects as objects are, then the lamps, then the cells of the sky.
   std::uint32_t lamp_id(std::size_t lamp) const { return static_cast<std::uint32_t>(bodies_.size() + lamp); }
+  std::uint32_t sky_id(std::uint32_t cell) const { return lamp_id(lamps_.size()) + cell; }
+  std::uint32_t sky_id(glm::vec3 direction) const { return sky_id(sky_cell(direction)); }
   LightDisc disc(std::uint32_t light) const {
     if (light < bodies_.size()) return {bodies_[light].centre, bodies_[light].radius, bodies_[light].light_share};
+    if (light >= sky_id(0u)) return sky_[light - sky_id(0u)];
     const Lamp& lamp = lamps_[light - bodies_.size()];
     return {lamp.centre, lamp.radius, lamp.share};
   }
@@ -144,6 +154,13 @@ class World {
   void add_geometry(std::uint32_t id);
   void add_lights(std::uint32_t id);
   void add_lamps(const Scene& scene);
+  void add_sky(const Bounds& bounds);
+  void share_out_lights(const Scene& scene);
+  std::uint32_t sky_cell(glm::vec3 direction) const;
+  struct Shine {
+    float mean = 0, square = 0;  // of the radiance over the sphere of directions
+  };
+  Shine lights_seen_from(glm::vec3 point) const;
   void measure_distances(std::uint32_t id);
   float chance_of_light(glm::vec3 from) const;
 
@@ -152,11 +169,13 @@ class World {
   std::vector<Body> bodies_;
   std::vector<Shape> shapes_;
   std::vector<DistanceGrid> distances_;
-  glm::vec3 environment_{0};
+  Environment environment_;
+  std::vector<LightDisc> sky_;  // none where the sky is left to chance
+  float sky_share_ = 0;         // probability that sample_light() picks the sky
   float nudge_ = 0;
   std::vector<Leaving> light_triangles_;
   std::vector<Lamp> lamps_;
-  std::vector<double> light_weights_;  // cumulative, ends at 1: the triangles, then the lamps
+  std::vector<double> light_weights_;  // cumulative, ends at 1: the triangles, the lamps, the cells of the sky
 };
 
 }  // namespace alabaster

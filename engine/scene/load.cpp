@@ -321,16 +321,33 @@ class Builder {
     Fields source = document_.fields("scenes", scene_index(), "scene");
     if (!source.is_object("extras") || !source.child("extras").has("environment")) return;
     Fields environment = source.child("extras").child("environment");
-    if (environment.has("exr")) environment.fail("exr", "is not supported yet; use \"radiance\": [r, g, b]");
+    if (environment.has("exr")) return read_picture(environment);
     glm::dvec3 radiance = environment.rgb("radiance");
     if (glm::any(glm::lessThan(radiance, glm::dvec3(0)))) environment.fail("radiance", "must not be negative");
     scene_.environment.radiance = glm::vec3(radiance);
   }
 
+  void read_picture(const Fields& environment) {
+    if (environment.has("radiance")) environment.fail("radiance", "cannot stand beside \"exr\"; keep one of them");
+    const double scale = environment.number_or("scale", 1), degrees = environment.number_or("rotation", 0);
+    if (!(scale > 0)) environment.fail("scale", "must be positive");
+    const std::string path =
+        (std::filesystem::path(document_.path).parent_path() / environment.text("exr")).string();
+    try {
+      scene_.environment.picture = read_environment_picture(path, scale, std::remainder(degrees, 360.0) / 360);
+    } catch (const UserError& error) {
+      environment.fail("exr", std::string("cannot be used: ") + error.what());
+    }
+    const glm::ivec2 size = scene_.environment.picture->size();
+    if (size.x != 2 * size.y)
+      scene_.warnings.push_back("environment: the picture is not twice as wide as it is high; it is taken as a whole "
+                                "sphere in latitude and longitude all the same");
+  }
+
   void check() const {
     if (scene_.objects.empty()) fail("there are no triangles to render; put a mesh into the scene");
     if (scene_.cameras.empty()) fail("there is no camera; put a perspective camera into the scene");
-    bool lit = scene_.environment.radiance != glm::vec3(0);
+    bool lit = !scene_.environment.dark();
     for (const Object& object : scene_.objects) lit |= object.role == Role::emissive && area(object.mesh) > 0;
     for (const PunctualLight& light : scene_.lights) lit |= light.intensity != glm::vec3(0);
     if (!lit)

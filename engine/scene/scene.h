@@ -9,6 +9,8 @@
 #include <string>
 #include <vector>
 
+#include "scene/environment.h"
+
 namespace alabaster {
 
 /// Triangles in world space, counter-clockwise seen from outside.
@@ -79,11 +81,6 @@ struct Camera {
   float y_fov = 0.7f;     // radians
 };
 
-/// Light from infinity. Zero where the scene has none.
-struct Environment {
-  glm::vec3 radiance{0};  // W/m^2/sr, the same in every direction
-};
-
 /// A light without a mesh (KHR_lights_punctual). It is nowhere seen itself, nor in mirroring surfaces; it lights what
 /// scatters. It has a small extent, so that paths find it behind a surface that bends light, where a point or a single
 /// direction is met with probability 0. A far surface that faces all of it gets exactly what the ideal light would send.
@@ -106,7 +103,7 @@ struct Scene {
   std::vector<Object> objects;
   std::vector<PunctualLight> lights;
   std::vector<Camera> cameras;
-  Environment environment;
+  Environment environment;  // dark where the scene has none
   std::vector<std::string>
       warnings;  // one line each, with the object's name: repairs that were made, doubts that remain
 };

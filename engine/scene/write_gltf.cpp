@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
+#include "image/picture.h"
 #include "scene/files.h"
 #include "scene/vol.h"
 
@@ -74,8 +75,22 @@ class Writer {
   }
 
   void add(const Environment& environment) {
+    if (environment.picture) return add(*environment.picture);
     if (environment.radiance != glm::vec3(0))
       root_["scenes"][0]["extras"]["environment"]["radiance"] = triple(environment.radiance);
+  }
+
+  void add(const EnvironmentPicture& environment) {
+    Picture picture{environment.size().x, environment.size().y, {}, {}};
+    const char* const channels[] = {"R", "G", "B"};
+    for (int c = 0; c < 3; ++c) {
+      std::vector<float>& plane = picture.plane(channels[c]);
+      for (std::size_t i = 0; i < plane.size(); ++i) plane[i] = environment.texels()[i][c];
+    }
+    const std::filesystem::path path(path_);
+    const std::string name = path.stem().string() + "-environment.exr";
+    write_exr(picture, (path.parent_path() / name).string());
+    root_["scenes"][0]["extras"]["environment"] = {{"exr", name}, {"rotation", 360 * environment.turn()}};
   }
 
   void write() {

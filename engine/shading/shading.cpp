@@ -9,7 +9,7 @@
 
 namespace alabaster {
 
-static_assert(sizeof(CameraRays) == 60 && sizeof(PlainObject) == 20 && sizeof(TranslucentPush) == 128);
+static_assert(sizeof(CameraRays) == 60 && sizeof(PlainObject) == 20 && sizeof(TranslucentPush) == 120);
 
 namespace {
 
@@ -126,7 +126,7 @@ TranslucentPush translucent_push(const Shading::Input& input, const TranslucentS
   push.eta = static_cast<float>(eta);
   push.A = static_cast<float>(boundary_constant(f_dr));
   push.f_dt = static_cast<float>(1 - f_dr);
-  push.environment = input.lighting.environment();
+  push.environment_turn = input.lighting.environment_turn();
   push.exit_scale = input.exit == Exit::as_printed ? 1.0f : static_cast<float>(1 / (eta * eta));
   return push;
 }
@@ -226,13 +226,15 @@ ShadedPicture Shading::shade(const Input& input) const {
     const auto timer = commands.time("plain");
     gpu::Bindings bindings = shared;
     for (const gpu::Binding& light : input.lighting.bindings()) bindings.push_back(light);
+    bindings.push_back(input.lighting.environment_binding());
     bindings.push_back({"objects", objects});
     bindings.push_back({"triangle_objects", triangle_objects});
-    commands.dispatch(plain_, {rays.size, 1}, bindings, rays);
+    commands.dispatch(plain_, {rays.size, 1}, bindings, PlainPush{rays, input.lighting.environment_turn()});
   }
   for (const TranslucentSurface& surface : input.surfaces) {
     const auto timer = commands.time("translucent");
     gpu::Bindings bindings = shared;
+    bindings.push_back(input.lighting.environment_binding());
     bindings.push_back({"phi_up", *surface.fluence[0], linear_});
     bindings.push_back({"phi_down", *surface.fluence[1], linear_});
     bindings.push_back({"gamma_up", *surface.gamma_s[0], linear_});

@@ -34,7 +34,7 @@ struct Frame {
 
 struct ShadedPicture {
   /// R, G, B = multiple + surface. multiple.*: light from inside; surface.*: opaque and emissive objects, background,
-  /// and on translucent objects the constant environment mirrored by Fresnel (unoccluded; area lights are not
+  /// and on translucent objects the environment mirrored by Fresnel (unoccluded; area lights are not
   /// mirrored). fluence.*, gamma_s.*: W/m^2, mean over the pixel's translucent part, 0 without one. N.X, N.Y, N.Z: unit
   /// world normal, and Z: distance from the eye in metres, both means over what the pixel sees, 0 where it sees
   /// nothing. object.Y: share of the pixel that is translucent.

@@ -35,16 +35,20 @@ vec3 gather_points(vec3 position, vec3 normal, float slack, float eta) {
     const LightPoint light = points[i];
     float distance2;
     const vec3 w = way_to(light, position, distance2);
-    const float cos_receiver = dot(normal, w);
+    const float cos_middle = dot(normal, w);
+    const float spread = light.kind == light_directional ? light.cone.scale : 0;
+    const float cos_receiver = cosine_above_horizon(cos_middle, spread);
     const float sent = light_share(light.kind, -dot(light.normal, w), light.cone.scale, light.cone.offset);
     if (cos_receiver <= 0 || sent <= 0) continue;
     float lit = 1;
-    for (uint v = 0; v < light.views; ++v) {
+    // A map of a light whose middle is below the horizon would say that the surface shadows itself.
+    for (uint v = 0; v < light.views && cos_middle > 0; ++v) {
       bool inside;
       lit = look_up(light.first_view + v, position, normal, slack, inside);
       if (inside) break;
     }
-    sum += light.intensity * (lit * point_transfer(cos_receiver, sent, distance2, eta));
+    const float visible = cosine_of_visible_part(cos_middle, spread);
+    sum += light.intensity * (lit * cos_receiver / visible * point_transfer(visible, sent, distance2, eta));
   }
   return sum;
 }

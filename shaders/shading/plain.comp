@@ -2,26 +2,27 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
+#include "lighting/environment.glsl"
 #include "lighting/gather.glsl"
 #include "visible.glsl"
 layout(local_size_x = 8, local_size_y = 8) in;
-layout(push_constant, scalar) uniform Push { CameraRays camera; };
+layout(push_constant, scalar) uniform Push { PlainPush push; };
 layout(binding = 11, scalar) readonly buffer Objects { PlainObject objects[]; };
 layout(binding = 12, scalar) readonly buffer TriangleObjects { int triangle_objects[]; };  // -1: not a plain one
 void main() {
+  const CameraRays camera = push.camera;
   const uvec2 pixel = gl_GlobalInvocationID.xy;
   if (any(greaterThanEqual(pixel, camera.size))) return;
   const uint samples = camera.edge * camera.edge;
   uint todo = 0;
-  float background = 0;
+  vec3 radiance = vec3(0), normal_sum = vec3(0);
   for (uint s = 0; s < samples; ++s) {
     const uint id = sample_id(camera, pixel, s);
     if (id == 0)
-      background += 1 / float(samples);
+      radiance += environment_radiance(sample_ray(camera, pixel, s), push.environment_turn) / float(samples);
     else if (triangle_objects[id - 1] >= 0)
       todo |= 1u << s;
   }
-  vec3 radiance = background * lighting.environment, normal_sum = vec3(0);
   float distance_sum = 0, share = 0;
   while (todo != 0) {
     const Hit hit = next_hit(camera, pixel, todo);

@@ -25,6 +25,13 @@ uint sample_id(CameraRays camera, uvec2 pixel, uint s) {
   return texelFetch(visible, ivec2(pixel * camera.edge + uvec2(s % camera.edge, s / camera.edge)), 0).x;
 }
 
+// Unit, from the eye through a sample.
+vec3 sample_ray(CameraRays camera, uvec2 pixel, uint s) {
+  const vec2 place = vec2(pixel) + (vec2(s % camera.edge, s / camera.edge) + 0.5) / float(camera.edge);
+  const vec2 screen = 2 * place / vec2(camera.size) - 1;
+  return normalize(camera.forward + screen.x * camera.right + screen.y * camera.down);
+}
+
 // The first sample of `todo` and all that see the same triangle; takes them off `todo`.
 Hit next_hit(CameraRays camera, uvec2 pixel, inout uint todo) {
   const uint samples = camera.edge * camera.edge;

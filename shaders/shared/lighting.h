@@ -38,7 +38,8 @@ struct LightPoint {
   uint first_view;  // of its shadow maps
   uint views;       // 0: nothing shadows it
   uint kind;        // light_*
-  SpotCone cone;
+  SpotCone cone;    // spot; of a directional light `scale` is its spread: a part of the sky, half its width as a cosine
+                    // at right angles to its direction
 };
 
 // One shadow map; its layer is its index. Depth is D32, clip z / w, LESS_OR_EQUAL is lit.
@@ -52,7 +53,7 @@ struct LightingHeader {
   uint directions;   // of the environment
   uint first_view;   // of the directions, one each
   float map_size;    // texels along an edge
-  vec3 environment;  // W/m^2/sr from every direction
+  vec3 environment;  // W/m^2/sr from every direction; a picture of it is among the points
 };
 
 // Lights and views are uniform buffers of a fixed size (64 KiB at most; every lane reads the same entry).
@@ -96,6 +97,18 @@ SHARED_FN real light_share(uint kind, real cosine, real cone_scale, real cone_of
 // sends there (light_share) over the squared distance.
 SHARED_FN real point_transfer(real cos_receiver, real sent, real distance2, real eta) {
   return fresnel_transmittance(cos_receiver, eta) * cos_receiver * sent / distance2;
+}
+
+// Mean over a strip of cosines from `cosine - spread` to `cosine + spread` of what is above the horizon.
+SHARED_FN real cosine_above_horizon(real cosine, real spread) {
+  if (cosine >= spread) return cosine;
+  if (cosine <= -spread) return real(0);
+  return (cosine + spread) * (cosine + spread) / (real(4) * spread);
+}
+
+// Mean cosine of the part of that strip that is above the horizon.
+SHARED_FN real cosine_of_visible_part(real cosine, real spread) {
+  return max(cosine, real(0.5) * (cosine + spread));
 }
 
 // How far along its normal a receiver is moved before it is looked up in a shadow map, m. A surface's depth, read up to

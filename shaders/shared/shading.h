@@ -27,13 +27,18 @@ struct PlainObject {
   uint two_sided;  // emissive: 1 shines from the back, too
 };
 
+struct PlainPush {
+  CameraRays camera;
+  float environment_turn;
+};
+
 struct TranslucentPush {
   CameraRays camera;
   uvec2 corner;       // first pixel of the rectangle that holds the object
   uint first, count;  // the object's triangles
   vec3 grid_low;      // m; the fluence image's low corner
   vec3 grid_inverse;  // 1/m; one over its edge lengths
-  vec3 environment;   // W/m^2/sr
+  float environment_turn;
   float eta, A, f_dt;
   float exit_scale;   // 1 / eta^2, or 1 as printed
 };

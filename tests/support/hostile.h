@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "image/picture.h"
 #include "scene/files.h"
 #include "scene/scene.h"
 #include "scene/shapes.h"
@@ -236,13 +237,44 @@ class HostileMaker {
            glb.root["scenes"][0]["extras"]["environment"] = {{"radiance", {-1, 0, 0}}};
          },
          {"environment.radiance", "negative"});
-    edit("exr_environment",
-         [](Glb& glb) {
-           glb.root["scenes"][0]["extras"]["environment"] = {{"exr", "sky.exr"}};
-         },
-         {"not supported yet"});
+    environments();
     change("camera_inside", [](Scene& s) { s.cameras[0].to_world = look_at({0, 0.05, 0}, {1, 0.05, 0}); }, {"camera"});
     list_.back().refused_by_loader = false;
+  }
+
+  void environment(const std::string& name, nlohmann::json value, Words words) {
+    edit(
+        name, [&](Glb& glb) { glb.root["scenes"][0]["extras"]["environment"] = value; }, std::move(words));
+  }
+  void sky(const std::string& name, const char* channel, float value, Words words) {
+    Picture picture{4, 2, {}, {}};
+    for (const char* c : {"R", "G", channel}) picture.plane(c).assign(8, 1);
+    picture.plane(channel)[6] = value;
+    write_exr(picture, path(name + ".exr"));
+    environment(name, {{"exr", name + ".exr"}}, std::move(words));
+  }
+  void environments() {
+    const std::string field = "environment.exr";
+    environment("environment_missing", {{"exr", "nowhere.exr"}}, {field, "nowhere.exr"});
+    environment("environment_number", {{"exr", 3}}, {field});
+    environment("environment_twice", {{"exr", "sky.exr"}, {"radiance", {1, 1, 1}}}, {"environment.radiance", "exr"});
+    write_file(path("words.exr"), "these are words");
+    environment("environment_words", {{"exr", "words.exr"}}, {field, "words.exr", "cannot be read as an EXR"});
+    sky("environment_nan", "B", NAN, {field, "(2, 1)", "channel B", "finite"});
+    sky("environment_endless", "B", INFINITY, {field, "(2, 1)", "channel B", "finite"});
+    sky("environment_negative", "B", -1, {field, "(2, 1)", "channel B", "negative"});
+    sky("environment_channel", "Q", 1, {field, "no channel B"});
+    sky("environment_good", "B", 1, {});
+    list_.back().expect_ok = true;
+    environment("environment_scale", {{"exr", "environment_good.exr"}, {"scale", -1}}, {"environment.scale"});
+    environment("environment_rotation", {{"exr", "environment_good.exr"}, {"rotation", "up"}}, {"environment.rotation"});
+    const std::string whole = read_file(path("environment_good.exr"));
+    write_file(path("cut.exr"), whole.substr(0, whole.size() - 10));
+    environment("environment_cut", {{"exr", "cut.exr"}}, {field, "cut.exr"});
+    Picture black{2, 1, {}, {}};
+    for (const char* c : {"R", "G", "B"}) black.plane(c);
+    write_exr(black, path("black.exr"));
+    environment("environment_black", {{"exr", "black.exr"}}, {field, "black everywhere"});
   }
 
   void vol(const std::string& name, const std::string& key, const std::string& bytes, Words words) {

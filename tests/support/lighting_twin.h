@@ -47,10 +47,12 @@ inline glm::dvec3 exact_flux(const Scene& scene, const LightSamples& lights, con
     const double distance = far ? INFINITY : glm::length(way), square = far ? 1 : distance * distance;
     const double sent =
         light_share<double>(light.kind, -glm::dot(glm::dvec3(light.normal), w), light.cone.scale, light.cone.offset);
-    const double cos_receiver = glm::dot(n, w);
+    const double cos_middle = glm::dot(n, w), spread = far ? light.cone.scale : 0;
+    const double cos_receiver = cosine_above_horizon<double>(cos_middle, spread);
     if (sent <= 0 || cos_receiver <= 0) continue;
-    if (shadows && nearest_hit(scene, x + shift * n, w, light.object).distance < distance - shift) continue;
-    sum += glm::dvec3(light.intensity) * point_transfer(cos_receiver, sent, square, eta);
+    if (shadows && cos_middle > 0 && nearest_hit(scene, x + shift * n, w, light.object).distance < distance - shift) continue;
+    const double visible = cosine_of_visible_part<double>(cos_middle, spread);
+    sum += glm::dvec3(light.intensity) * (cos_receiver / visible * point_transfer(visible, sent, square, eta));
   }
   double blocked = 0, all = 0;
   for (const glm::vec3& direction : lights.directions) {
