@@ -37,18 +37,44 @@ def icosphere(subdivisions):
 BALL = icosphere(5)
 LIGHT = ([(-2, 3, -2), (2, 3, -2), (2, 3, 2), (-2, 3, 2)], [(0, 1, 2), (0, 2, 3)])  # faces down
 EYE, FOV = (0, 0, 4), 0.6
+GRID = 24  # cells along each axis
 
-# name: sigma_s, sigma_a (1/m; the ball's radius is 1 m), g, eta, radiance of the light, of the environment
+# name: sigma_s, sigma_a (1/m; the ball's radius is 1 m), g, eta, radiance of the light, of the environment. In the grid they are
+# multiplied by 0.2 to 1.8, cell by cell.
 SCENES = {
     "glassy, 20 mfp": ([9.9, 9.9, 9.9], [0.1, 0.1, 0.1], 0.0, 1.5, 4.0, 0.5),
     "marble, 100 mfp": ([49.95, 49.95, 49.95], [0.05, 0.05, 0.05], 0.0, 1.5, 4.0, 0.5),
     "coloured, 100 mfp": ([41.0, 49.0, 56.0], [0.04, 0.08, 0.16], 0.0, 1.5, 4.0, 0.5),
     "matched, 20 mfp": ([9.9, 9.9, 9.9], [0.1, 0.1, 0.1], 0.0, 1.0, 4.0, 0.0),
+    "grid, 100 mfp": ([49.95, 49.95, 49.95], [0.05, 0.05, 0.05], 0.0, 1.5, 4.0, 0.5),
     "forward, 100 mfp": ([49.5, 49.5, 49.5], [0.5, 0.5, 0.5], 0.8, 1.3, 4.0, 0.5),
 }
 
 
-def write_gltf(path, scene):
+def grid_values(name):
+    """Of a wavy density about 1, x fastest, for the scenes that have one; else None."""
+    if not name.startswith("grid"):
+        return None
+    wave = lambda i: math.sin(2 * math.pi * 3 * (i + 0.5) / GRID)
+    return [1 + 0.8 * wave(x) * wave(y) * wave(z) for z in range(GRID) for y in range(GRID) for x in range(GRID)]
+
+
+def write_vol(path, values):
+    """Mitsuba's .vol, version 3, which both programs read."""
+    with open(path, "wb") as f:
+        f.write(b"VOL\3" + struct.pack("<5i6f", 1, GRID, GRID, GRID, 1, -1, -1, -1, 1, 1, 1) + struct.pack("<%df" % len(values), *values))
+
+
+def medium(name, scene):
+    sigma_s, sigma_a, g = scene[:3]
+    if grid_values(name) is None:
+        return {"type": "homogeneous", "sigma_s": sigma_s, "sigma_a": sigma_a, "g": g}
+    return {"type": "grid", "g": g, "bbox_min": [-1] * 3, "bbox_max": [1] * 3, "filter": "trilinear",
+            "sigma_t": {"vol": "density.vol", "scale": sigma_s[0] + sigma_a[0]}, "albedo": sigma_s[0] / (sigma_s[0] + sigma_a[0])}
+
+
+def write_gltf(path, name):
+    scene = SCENES[name]
     sigma_s, sigma_a, g, eta, light, environment = scene
     blob, views, accessors = b"", [], []
     def add(data, kind, component, count, extra):
@@ -69,7 +95,7 @@ def write_gltf(path, scene):
         "nodes": [{"mesh": 0, "name": "ball"}, {"mesh": 1, "name": "light"}, {"camera": 0, "translation": list(EYE), "name": "main"}],
         "cameras": [{"type": "perspective", "perspective": {"yfov": FOV, "znear": 0.01}}],
         "materials": [{"name": "ball", "extensions": {"KHR_materials_ior": {"ior": eta}},
-                       "extras": {"medium": {"type": "homogeneous", "sigma_s": sigma_s, "sigma_a": sigma_a, "g": g}}},
+                       "extras": {"medium": medium(name, scene)}},
                       {"name": "light", "emissiveFactor": [1, 1, 1], "extensions": {"KHR_materials_emissive_strength": {"emissiveStrength": light}}}],
         "extensionsUsed": ["KHR_materials_ior", "KHR_materials_emissive_strength"],
         "meshes": meshes, "accessors": accessors, "bufferViews": views,
@@ -106,6 +132,10 @@ def mitsuba_worker(folder, name, spp, width, height, threads, seed, out):
         "light": {"type": "ply", "filename": os.path.join(folder, "light.ply"), "face_normals": True,
                   "emitter": {"type": "area", "radiance": rgb([light] * 3)}},
     }
+    if grid_values(name):
+        scene["ball"]["interior"] = {"type": "heterogeneous", "scale": sigma_t[0], "phase": {"type": "hg", "g": g}, "albedo": sigma_s[0] / sigma_t[0],
+                                     "sigma_t": {"type": "gridvolume", "filename": os.path.join(folder, "density.vol"), "wrap_mode": "clamp",
+                                                 "to_world": mi.ScalarTransform4f().translate([-1, -1, -1]).scale([2, 2, 2])}}
     if environment > 0:
         scene["sky"] = {"type": "constant", "radiance": rgb([environment] * 3)}
     image = mi.render(mi.load_dict(scene), spp=spp, seed=seed)
@@ -152,7 +182,9 @@ def main():
         write_ply(os.path.join(folder, "light.ply"), *LIGHT)
         for name in args.scene or SCENES:
             gltf = os.path.join(folder, "scene.gltf")
-            write_gltf(gltf, SCENES[name])
+            write_gltf(gltf, name)
+            if grid_values(name):
+                write_vol(os.path.join(folder, "density.vol"), grid_values(name))
             row = {"scene": name}
             means = {}
             for program in ("alabaster", "mitsuba"):

@@ -6,6 +6,12 @@
 #include "reference/tracer.h"
 
 namespace alabaster {
+namespace {
+
+// Over the transmittance so far: the chance that a look at a light goes on behind a surface.
+constexpr float worth_going_on = 3;
+
+}  // namespace
 
 void Tracer::shine(Path& path, const Hit& hit, const Body& body) {
   const float cosine = -glm::dot(path.direction, hit.normal);
@@ -148,7 +154,7 @@ void Tracer::shoot(Path& ray, std::uint32_t light) {
     if (!pass(ray.inside, ray.origin, ray.direction, hit.distance, left)) return;
     ray.throughput *= left;
     if (arrived) return shine(ray, hit, body);
-    const float survive = 3 * largest(left);
+    const float survive = worth_going_on * largest(left);
     if (survive < 1) {
       if (random_.uniform() >= survive) return;
       ray.throughput /= survive;
@@ -179,6 +185,11 @@ glm::vec3 Tracer::transmittance(const Path& path, glm::vec3 direction, float dis
     if (arrived && met && span < left * (1 - 1e-3f)) return glm::vec3(0);  // the light's own other parts shade too
     if (!pass(inside, origin, direction, span, result)) return glm::vec3(0);
     if (arrived) return result;
+    const float survive = worth_going_on * largest(result);  // what is left of little is seldom worth a ray more
+    if (survive < 1) {
+      if (random_.uniform() >= survive) return glm::vec3(0);
+      result /= survive;
+    }
     Inside beyond = inside;
     if (glm::dot(direction, hit.normal) < 0)
       beyond.push(hit.where.object);
