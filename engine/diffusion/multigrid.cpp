@@ -23,8 +23,10 @@ DiffusionPasses::DiffusionPasses(gpu::Context& c)
       norm{c, "diffusion/norm.comp", {1}},
       update{c, "diffusion/update.comp", {1}},
       start{c, "diffusion/start.comp", {1}},
-      direction{c, "diffusion/direction.comp", {1}},
-      reduce{c, "diffusion/reduce.comp"} {}
+      direction{{c, "diffusion/direction.comp", {1, 0}}, {c, "diffusion/direction.comp", {1, 1}}},
+      reduce{c, "diffusion/reduce.comp"},
+      islands{{c, "diffusion/islands.comp", {0}}, {c, "diffusion/islands.comp", {1}}},
+      lift{c, "diffusion/lift.comp", {1}} {}
 
 std::vector<float> chebyshev_omegas(const MultigridOptions& options) {
   std::vector<float> omegas;
@@ -102,6 +104,8 @@ void Multigrid::set_up() {
   }
   commands.submit();
   invert_coarsest();
+  deflation_ = Deflation(context_, finest().stencil, finest().cells, channels_);
+  ++generation_;
 }
 
 // The row sums of the next coarser operator, P^T (A 1 - A v) with v = 1 - P 1, into its b; level.b holds A 1.
