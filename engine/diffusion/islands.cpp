@@ -7,7 +7,7 @@
 namespace alabaster {
 namespace {
 
-constexpr float strong = 0.05f;   // of the larger diagonal: a face that conducts more than this joins two cells
+constexpr float strong = 0.01f;   // of the larger diagonal: a face that conducts more than this joins two cells
 constexpr double isolated = 0.1;  // of an island's largest diagonal: what leaves it, a boundary face, is at most this
 
 struct Grid {
