@@ -15,5 +15,8 @@ inline double median(std::vector<double> values) {
 
 void add_stages(CLI::App& app);
 void add_accuracy(CLI::App& app);
+void add_solver(CLI::App& app);
+void add_smoother(CLI::App& app);
+void add_peers(CLI::App& app);
 
 }  // namespace alabaster

@@ -9,6 +9,9 @@ int main(int argc, char** argv) {
   app.require_subcommand(1);
   alabaster::add_stages(app);
   alabaster::add_accuracy(app);
+  alabaster::add_smoother(app);
+  alabaster::add_solver(app);
+  alabaster::add_peers(app);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {

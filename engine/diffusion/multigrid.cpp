@@ -1,5 +1,7 @@
 #include "diffusion/multigrid.h"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -23,8 +25,10 @@ DiffusionPasses::DiffusionPasses(gpu::Context& c)
       norm{c, "diffusion/norm.comp", {1}},
       update{c, "diffusion/update.comp", {1}},
       start{c, "diffusion/start.comp", {1}},
-      direction{c, "diffusion/direction.comp", {1}},
-      reduce{c, "diffusion/reduce.comp"} {}
+      direction{{c, "diffusion/direction.comp", {1, 0}}, {c, "diffusion/direction.comp", {1, 1}}},
+      reduce{c, "diffusion/reduce.comp"},
+      islands{{c, "diffusion/islands.comp", {0}}, {c, "diffusion/islands.comp", {1}}},
+      lift{c, "diffusion/lift.comp", {1}} {}
 
 std::vector<float> chebyshev_omegas(const MultigridOptions& options) {
   std::vector<float> omegas;
@@ -102,6 +106,8 @@ void Multigrid::set_up() {
   }
   commands.submit();
   invert_coarsest();
+  deflation_ = Deflation(context_, finest().stencil, finest().cells, channels_);
+  ++generation_;
 }
 
 // The row sums of the next coarser operator, P^T (A 1 - A v) with v = 1 - P 1, into its b; level.b holds A 1.
@@ -144,24 +150,26 @@ void Multigrid::invert_coarsest() {
     return stencil[padded.x * DIFFUSION_COARSE_ENTRIES * (c.y + std::size_t(n.y) * (c.z + channel * n.z)) +
                    k * padded.x + c.x];
   };
-  std::vector<float> inverse;
-  for (int channel = 0; channel < channels_; ++channel) {
+  std::vector<float> inverse(std::size_t(channels_) * cells * cells);
+  tbb::parallel_for(0, channels_, [&](int channel) {
     std::vector<double> dense(std::size_t(cells) * cells, 0.0);
     for (int row = 0; row < cells; ++row) {
-      const glm::ivec3 c{row % padded.x, row / padded.x % n.y, row / (padded.x * n.y)};
+      const glm::ivec3 c{row % padded.x, row / padded.x % padded.y, row / (padded.x * padded.y)};
       dense[std::size_t(row) * (cells + 1)] += entry(c, DIFFUSION_ROW_SUM, channel);
       for (int k = 0; k < DIFFUSION_ROW_SUM; ++k) {
         const glm::ivec3 d{k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1}, other = c + d;
         if (glm::any(glm::lessThan(other, glm::ivec3(0))) || glm::any(glm::greaterThanEqual(other, padded))) continue;
-        const int column = other.x + padded.x * (other.y + n.y * other.z);
+        const int column = other.x + padded.x * (other.y + padded.y * other.z);
         const double coupling = entry(c, k, channel);
         dense[std::size_t(row) * cells + column] = dense[std::size_t(column) * cells + row] = coupling;
         dense[std::size_t(row) * (cells + 1)] -= coupling;
         dense[std::size_t(column) * (cells + 1)] -= coupling;
       }
     }
-    for (double v : invert_spd(std::move(dense), cells, 1e-6)) inverse.push_back(static_cast<float>(v));
-  }
+    const std::vector<double> exact = invert_spd(std::move(dense), cells, 1e-6);
+    std::transform(exact.begin(), exact.end(), inverse.begin() + channel * exact.size(),
+                   [](double v) { return static_cast<float>(v); });
+  });
   gpu::upload(context_, inverse_, inverse);
 }
 

@@ -5,6 +5,7 @@
 
 #include <vector>
 
+#include "diffusion/deflation.h"
 #include "gpu/commands.h"
 #include "shared/diffusion.h"
 
@@ -15,7 +16,8 @@ struct DiffusionPasses {
   explicit DiffusionPasses(gpu::Context& context);
   gpu::Pass diagonals[2], weights[2], deficits[2], galerkin[2];  // [finest]
   gpu::Pass smooth[2], smooth_dot, residual[2], restrict_residual, prolong[2], direct;
-  gpu::Pass apply_dot, norm, update, start, direction, reduce;
+  gpu::Pass apply_dot, norm, update, start, direction[2], reduce;  // direction[deflated]
+  gpu::Pass islands[2], lift;                                      // islands[start]
 };
 
 struct MultigridOptions {
@@ -48,7 +50,7 @@ class Multigrid {
   Multigrid(gpu::Context& context, const DiffusionPasses& passes, glm::ivec3 cells, int channels, const TileList& tiles,
             const MultigridOptions& options = {});
 
-  /// Builds everything below the finest stencil, which the caller has written.
+  /// Builds everything below the finest stencil, which the caller has written, and finds its islands.
   void set_up();
 
   /// z = M r. Before: finest().b = r, finest().x = first_omega() * inverse_l1 * r. Leaves partial sums of r . z and
@@ -60,6 +62,8 @@ class Multigrid {
   float first_omega() const { return omegas_.front(); }
   int channels() const { return channels_; }
   const TileList& tiles() const { return tiles_; }
+  const Deflation& deflation() const { return deflation_; }
+  int generation() const { return generation_; }  // how often it was set up
   /// Threads that cover a level (the finest one by its tiles).
   glm::uvec3 threads(std::size_t level) const;
 
@@ -78,6 +82,8 @@ class Multigrid {
   std::vector<float> omegas_;
   std::vector<MultigridLevel> levels_;
   gpu::Buffer inverse_;
+  Deflation deflation_;
+  int generation_ = 0;
 };
 
 /// A zero-filled image for `cells` cells, `entries` a cell, of rgba32f texels.

@@ -16,8 +16,6 @@ Pcg::Pcg(gpu::Context& context, const DiffusionPasses& passes, Multigrid& multig
   gpu::Commands commands(context);
   commands.fill(partials_);
   commands.submit();
-  record_start();
-  record_batch();
 }
 
 void Pcg::reduce(gpu::Commands& commands, int mode) {
@@ -25,37 +23,79 @@ void Pcg::reduce(gpu::Commands& commands, int mode) {
                     {{"partials", partials_}, {"scalars", scalars_}}, ReducePush{partials_per_channel(), mode});
 }
 
-void Pcg::record_start() {
+void Pcg::record() {
+  record_start();
+  record_batch();
+  recorded_ = multigrid_.generation();
+}
+
+// r = b - A (high + low), r . r, and the first smoothing step of a cycle
+void Pcg::record_residual(gpu::Commands& commands) {
   MultigridLevel& level = multigrid_.finest();
   const glm::uvec3 threads = multigrid_.threads(0);
   const LevelPush push{level.cells, level.cells, multigrid_.first_omega()};
+  commands.dispatch(passes_.residual[1], threads,  // spare = b - A low
+                    {{"tiles", multigrid_.tiles().packed},
+                     {"stencil", level.stencil},
+                     {"x", low_},
+                     {"b", rhs_},
+                     {"residual", level.spare}},
+                    push);
+  commands.dispatch(passes_.start, threads,  // r = spare - A high
+                    {{"tiles", multigrid_.tiles().packed},
+                     {"stencil", level.stencil},
+                     {"x", high_},
+                     {"partials", partials_},
+                     {"inverse_l1", level.inverse_l1},
+                     {"b", level.spare},
+                     {"r", level.b},
+                     {"z", level.x}},
+                    push);
+}
+
+// c = E^-1 Z^T (r - A z), or E^-1 Z^T r
+void Pcg::record_islands(gpu::Commands& commands, bool start, const gpu::Image& z) {
+  const Deflation& deflation = multigrid_.deflation();
+  const auto islands = static_cast<std::uint32_t>(deflation.count());
+  commands.dispatch(passes_.islands[start], {64 * std::min(islands, 65535u), 1, 1},
+                    {{"spans", deflation.spans()},
+                     {"entries", deflation.entries()},
+                     {"lifts", deflation.lifts()},
+                     {"r", multigrid_.finest().b},
+                     {"z", z},
+                     {"stencil", multigrid_.finest().stencil}},
+                    IslandPush{multigrid_.finest().cells, islands});
+}
+
+void Pcg::record_start() {
+  MultigridLevel& level = multigrid_.finest();
+  const Deflation& deflation = multigrid_.deflation();
+  const glm::uvec3 threads = multigrid_.threads(0);
+  const LevelPush push{level.cells, level.cells, 0};
   start_ = std::make_unique<gpu::Commands>(context_);
   const auto scope = start_->time("diffusion residual");
   start_->dispatch(passes_.norm, threads, {{"tiles", multigrid_.tiles().packed}, {"partials", partials_}, {"x", rhs_}},
                    push);
   reduce(*start_, DIFFUSION_REDUCE_START);
-  start_->dispatch(passes_.residual[1], threads,  // spare = b - A low
-                   {{"tiles", multigrid_.tiles().packed},
-                    {"stencil", level.stencil},
-                    {"x", low_},
-                    {"b", rhs_},
-                    {"residual", level.spare}},
-                   push);
-  start_->dispatch(passes_.start, threads,  // r = spare - A high
-                   {{"tiles", multigrid_.tiles().packed},
-                    {"stencil", level.stencil},
-                    {"x", high_},
-                    {"partials", partials_},
-                    {"inverse_l1", level.inverse_l1},
-                    {"b", level.spare},
-                    {"r", level.b},
-                    {"z", level.x}},
-                   push);
+  record_residual(*start_);
+  if (deflation.count() > 0) {  // x += Z E^-1 Z^T r
+    record_islands(*start_, true, level.x);
+    start_->dispatch(passes_.lift, threads,
+                     {{"tiles", multigrid_.tiles().packed},
+                      {"labels", deflation.labels()},
+                      {"lifts", deflation.lifts()},
+                      {"high", high_},
+                      {"low", low_}},
+                     push);
+    record_residual(*start_);
+  }
   reduce(*start_, DIFFUSION_REDUCE_TRUE);
 }
 
 void Pcg::record_batch() {
   MultigridLevel& level = multigrid_.finest();
+  const Deflation& deflation = multigrid_.deflation();
+  const bool deflated = deflation.count() > 0;
   const gpu::Buffer& tiles = multigrid_.tiles().packed;
   const glm::uvec3 threads = multigrid_.threads(0);
   const LevelPush push{level.cells, level.cells, multigrid_.first_omega()};
@@ -64,8 +104,16 @@ void Pcg::record_batch() {
   const auto scope = commands.time("diffusion iterations");
   for (int i = 0; i < options_.batch; ++i) {
     const gpu::Image& z = multigrid_.record_cycle(commands, partials_);  // z = M r
-    reduce(commands, DIFFUSION_REDUCE_BETA);
-    commands.dispatch(passes_.direction, threads, {{"tiles", tiles}, {"scalars", scalars_}, {"z", z}, {"p", p_}}, push);
+    reduce(commands, DIFFUSION_REDUCE_BETA);                             // r . Z c = 0: z's lift adds nothing to r . z
+    if (deflated) record_islands(commands, false, z);
+    commands.dispatch(passes_.direction[deflated], threads,
+                      {{"tiles", tiles},
+                       {"scalars", scalars_},
+                       {"labels", deflation.labels()},
+                       {"lifts", deflation.lifts()},
+                       {"z", z},
+                       {"p", p_}},
+                      push);
     commands.dispatch(
         passes_.apply_dot, threads,  // q = A p
         {{"tiles", tiles}, {"stencil", level.stencil}, {"x", p_}, {"partials", partials_}, {"product", level.r}}, push);
@@ -101,6 +149,7 @@ void Pcg::clear_solution() {
 // and where it disagrees the gradients start again from it; only when that no longer helps does the solver give up.
 SolverStatus Pcg::solve(double tolerance) {
   SolverStatus status;
+  if (recorded_ != multigrid_.generation()) record();
   for (int c = 0; c < multigrid_.channels(); ++c)
     static_cast<CgScalars*>(scalars_.mapped())[c].tolerance = static_cast<float>(tolerance);
   std::vector<double> last(multigrid_.channels(), INFINITY);

@@ -1,4 +1,5 @@
-// Conjugate gradients on the device, preconditioned by a V-cycle. All scalars stay there; the host reads a few floats
+// Conjugate gradients on the device, preconditioned by a V-cycle and deflated by the medium's islands (A-DEF2 in Tang,
+// Nabben, Vuik, Erlangga 2009). All scalars stay there; the host reads a few floats
 // after every batch of iterations.
 #pragma once
 
@@ -45,7 +46,10 @@ class Pcg {
   int partials_per_channel() const { return multigrid_.tiles().count * DIFFUSION_PARTIALS; }
 
  private:
+  void record();
   void record_start();
+  void record_residual(gpu::Commands& commands);
+  void record_islands(gpu::Commands& commands, bool start, const gpu::Image& z);
   void record_batch();
   void reduce(gpu::Commands& commands, int mode);
   std::vector<CgScalars> scalars() const;
@@ -57,6 +61,7 @@ class Pcg {
   gpu::Image rhs_, high_, low_, p_;
   gpu::Buffer partials_, scalars_;
   std::unique_ptr<gpu::Commands> start_, batch_;
+  int recorded_ = 0;  // the multigrid's generation: a new medium has new islands
 };
 
 }  // namespace alabaster

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "diffusion/dense.h"
+#include "diffusion/islands.h"
 
 namespace alabaster::twin {
 
@@ -244,27 +245,76 @@ double dot(const Vector& a, const Vector& b) {
       std::plus<double>());
 }
 
+Deflation::Deflation(const Operator& a) {
+  const glm::ivec3 n = a.grid.n;
+  std::vector<float> stencil(std::size_t(DIFFUSION_FINEST_ENTRIES) * n.x * n.y * n.z);
+  for_cells(a.grid, [&](glm::ivec3 c, std::ptrdiff_t i) {
+    double reaction = a.a[diagonal][i];
+    const auto entry_at = [&](int k) -> float& {
+      return stencil[c.x + std::size_t(n.x) * (k + DIFFUSION_FINEST_ENTRIES * (c.y + std::size_t(n.y) * c.z))];
+    };
+    for (int axis = 0; axis < 3; ++axis) {
+      glm::ivec3 up(0);
+      up[axis] = 1;
+      entry_at(axis) = static_cast<float>(-a.coupling(i, -up));
+      reaction += a.coupling(i, -up) + a.coupling(i, up);
+    }
+    entry_at(DIFFUSION_REACTION) = static_cast<float>(reaction);
+  });
+  const Islands found = find_islands(n, stencil);
+  Vector one(a.grid.size(), 0.0);  // 1 on the island at hand
+  for (const IslandSpan& span : found.spans) {
+    Island island;
+    for (std::uint32_t k = span.cells; k < span.faces; ++k) {
+      const std::uint32_t e = found.entries[k];
+      island.cells.push_back(a.grid.at({e & 511u, e >> 9 & 511u, e >> 18 & 511u}));
+      one[island.cells.back()] = 1;
+    }
+    for (std::ptrdiff_t i : island.cells)
+      for (int k = 0; k < 27; ++k) island.energy += a.coupling(i, offset(k)) * one[i + a.grid.shift(offset(k))];
+    for (std::ptrdiff_t i : island.cells) one[i] = 0;
+    islands_.push_back(std::move(island));
+  }
+}
+
+void Deflation::lift(const Vector& r, Vector& z) const {
+  for (const Island& island : islands_) {
+    double sum = 0;
+    for (std::ptrdiff_t i : island.cells) sum += r[i];
+    for (std::ptrdiff_t i : island.cells) z[i] += sum / island.energy;
+  }
+}
+
 Solution solve_pcg(Multigrid& multigrid, const Vector& b, double tolerance, int max_iterations) {
   const Operator& a = multigrid.finest();
+  const Deflation deflation(a);
   Solution s;
   s.x.assign(b.size(), 0.0);
-  double norm_b = std::sqrt(dot(b, b));
+  const double norm_b = std::sqrt(dot(b, b));
   if (norm_b == 0) return s;
-  Vector r = b, z(b.size(), 0.0), p(b.size(), 0.0), q(b.size(), 0.0);
+  Vector r, z(b.size(), 0.0), p(b.size(), 0.0), q(b.size(), 0.0);
+  const auto residual_of = [&](const Vector& x, const Vector& rhs) {  // rhs - A x
+    Vector residual;
+    a.apply(x, residual);
+    for (std::size_t i = 0; i < residual.size(); ++i) residual[i] = rhs[i] - residual[i];
+    return residual;
+  };
+  deflation.lift(b, s.x);
+  r = residual_of(s.x, b);
   double rho = 1;
   while (s.iterations < max_iterations && std::sqrt(dot(r, r)) > tolerance * norm_b) {
     multigrid.precondition(r, z);
-    double rho_next = dot(r, z), beta = s.iterations == 0 ? 0.0 : rho_next / rho;
+    deflation.lift(residual_of(z, r), z);
+    const double rho_next = dot(r, z), beta = s.iterations == 0 ? 0.0 : rho_next / rho;
     rho = rho_next;
     for (std::size_t i = 0; i < p.size(); ++i) p[i] = z[i] + beta * p[i];
     a.apply(p, q);
-    double alpha = rho / dot(p, q);
+    const double alpha = rho / dot(p, q);
     for (std::size_t i = 0; i < p.size(); ++i) s.x[i] += alpha * p[i], r[i] -= alpha * q[i];
     ++s.iterations;
   }
-  a.apply(s.x, q);
-  for (std::size_t i = 0; i < q.size(); ++i) q[i] = b[i] - q[i];
-  s.relative_residual = std::sqrt(dot(q, q)) / norm_b;
+  r = residual_of(s.x, b);
+  s.relative_residual = std::sqrt(dot(r, r)) / norm_b;
   return s;
 }
 

@@ -97,6 +97,22 @@ class Multigrid {
 /// The factors of x += omega D^-1 (b - A x) that make `sweeps` steps the Chebyshev smoother of [lowest, 1].
 std::vector<double> chebyshev_omegas(int sweeps, double lowest);
 
+/// The islands of a seven-point operator (islands.h): Z E^-1 Z^T, E = Z^T A Z.
+class Deflation {
+ public:
+  explicit Deflation(const Operator& a);
+  void lift(const Vector& r, Vector& z) const;  // z += Z E^-1 Z^T r
+  std::size_t count() const { return islands_.size(); }
+
+ private:
+  struct Island {
+    std::vector<std::ptrdiff_t> cells;
+    double energy = 0;
+  };
+  std::vector<Island> islands_;
+};
+
+/// Conjugate gradients, preconditioned by the V-cycle and deflated by the islands of its finest operator.
 struct Solution {
   Vector x;
   int iterations = 0;

@@ -24,6 +24,11 @@
 // Of the diagonal: couplings below this are none to interpolate by.
 #define DIFFUSION_CONNECTED 1e-7
 
+// Islands (engine/diffusion/islands.h): an entry is x | y << 9 | z << 18 | kind << 27 of a cell of the island; kinds 0 to 5
+// are its face towards -x, +x, -y, +y, -z, +z, beyond which the island ends.
+#define DIFFUSION_ISLAND_CELLS 512
+#define DIFFUSION_ISLAND_CELL 6
+
 // Dot products: each subgroup of a tile leaves one partial sum; tiles have room for this many (subgroups of 8 or more).
 #define DIFFUSION_PARTIALS 16
 // A tile is a workgroup of 8 x 16 texels: the domain's tile of 32 x 16 x 1 cells.
@@ -50,6 +55,11 @@ struct ReducePush {
   int mode;      // DIFFUSION_REDUCE_*
 };
 
+struct IslandPush {
+  ivec3 cells;
+  uint islands;  // of all channels
+};
+
 // Scalars of the conjugate gradients of one channel.
 struct CgScalars {
   float tolerance;     // of the relative residual; the host sets it
@@ -61,6 +71,13 @@ struct CgScalars {
   float true_rr;       // |b - A x|^2
   int iterations;
   int done;            // 1: converged, 2: broken down (p . A p <= 0 or not finite)
+};
+
+// An island's place in the list of entries: its cells, then its faces.
+struct IslandSpan {
+  uint cells, faces, end;
+  int channel;
+  float weight;  // 1 / E of the island
 };
 
 // The medium at a cut cell, for the surface.

@@ -219,11 +219,53 @@ TEST_F(GpuDiffusionVectors, StepsOfTheConjugateGradientsEqualTwin) {
     EXPECT_LT(worst, 1e-12 + 1e-7 * 1.7) << "a step's own rounding at most";
   }
 
-  run(passes.direction, 0, {{"scalars", on_scalars}, {"z", on_x}, {"p", on_p}});
+  const gpu::Buffer no_labels = gpu::make_buffer(context, std::vector<std::uint32_t>(4), "labels"),
+                    no_lifts = gpu::make_buffer(context, std::vector<float>(1), "lifts");
+  run(passes.direction[0], 0,
+      {{"scalars", on_scalars}, {"labels", no_labels}, {"lifts", no_lifts}, {"z", on_x}, {"p", on_p}});
   for (int c = 0; c < 2; ++c) {
     twin::Vector wanted = x[c];
     for (std::size_t i = 0; i < wanted.size(); ++i) wanted[i] += double(scalars[c].beta) * p[c][i];
     expect(on_p, 0, c, wanted, "direction");
+  }
+}
+
+// islands, lift and direction of a checker's blocks, against Z E^-1 Z^T (r - A z) by the twin's matrix.
+TEST_F(GpuDiffusionVectors, IslandsAreLiftedAsTheTwinsMatrixSays) {
+  const Deflation& deflation = multigrid.deflation();
+  const MultigridLevel& level = multigrid.finest();
+  ASSERT_GT(deflation.count(), 20);
+  const std::vector<twin::Vector> r = random(0, 11), z = random(0, 12);
+  const gpu::Image on_r = image(0, r), on_z = image(0, z),
+                   low = image(0, {twin::Vector(r[0].size()), twin::Vector(r[0].size())});
+  std::vector<CgScalars> scalars(2);
+  const gpu::Buffer on_scalars = gpu::make_buffer(context, scalars, "scalars");
+  for (const bool start : {false, true}) {
+    const gpu::Image lifted = image(0, z);
+    gpu::Commands commands(context);
+    const auto count = static_cast<std::uint32_t>(deflation.count());
+    commands.dispatch(passes.islands[start], {64 * std::min(count, 7u), 1, 1},  // fewer groups than islands
+                      {{"spans", deflation.spans()},
+                       {"entries", deflation.entries()},
+                       {"lifts", deflation.lifts()},
+                       {"r", on_r},
+                       {"z", on_z},
+                       {"stencil", level.stencil}},
+                      IslandPush{level.cells, count});
+    commands.submit();
+    const std::vector<gpu::Binding> lifts{{"labels", deflation.labels()}, {"lifts", deflation.lifts()}};
+    if (start) {
+      run(passes.lift, 0, {lifts[0], lifts[1], {"high", lifted}, {"low", low}});
+    } else {
+      run(passes.direction[1], 0, {lifts[0], lifts[1], {"scalars", on_scalars}, {"z", on_z}, {"p", lifted}});
+    }
+    for (int c = 0; c < 2; ++c) {
+      twin::Vector residual(r[c].size()), wanted = z[c];
+      if (!start) matrix(0, c).apply(z[c], residual);
+      for (std::size_t i = 0; i < residual.size(); ++i) residual[i] = r[c][i] - residual[i];
+      twin::Deflation(matrix(0, c)).lift(residual, wanted);
+      expect(lifted, 0, c, wanted, start ? "start" : "direction");
+    }
   }
 }
 

@@ -1,0 +1,180 @@
+// The solver by itself: iterations and times by contrast, shape and grid; channels; solves that start from a solution.
+#include <cstdio>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "body.h"
+#include "image/whole_file.h"
+
+namespace alabaster {
+namespace {
+
+struct Arguments {
+  std::string meshes = "build/meshes", json, device;
+  std::vector<std::string> shapes{"ball", "bunny", "armadillo"};
+  std::vector<int> grids{64, 128};
+  std::vector<double> contrasts{1, 1e2, 1e4, 1e6};
+  int runs = 3;
+  bool largest = false;
+};
+
+using Json = nlohmann::json;
+
+// One linear system each, without deferred corrections.
+Json contrasts(gpu::Context& context, const Arguments& a) {
+  Json rows = Json::array();
+  std::printf(
+      "| shape | medium | contrast | grid | islands | iterations | residual | set-up ms | solve ms |\n"
+      "| --- | --- | --- | --- | --- | --- | --- | --- | --- |\n");
+  SolverOptions options;
+  options.corrections = 0;
+  for (const std::string& name : a.shapes) {
+    const Shape shape = shape_named(name, a.meshes);
+    for (const double contrast : a.contrasts)
+      for (const bool veins : {false, true}) {
+        if (veins && contrast == 1) continue;
+        for (const int grid : a.grids) {
+          BenchBody body(context, shape.mesh, grid, veins ? vein_medium(0.4, contrast) : checker_medium(0.11, contrast),
+                         1, options);
+          Multigrid& multigrid = body.diffusion().multigrid();
+          const double set_up = median_time(
+              a.runs, [] {}, [&] { multigrid.set_up(); });
+          SolverStatus status;
+          const double solve = median_time(
+              a.runs, [&] { body.forget(); }, [&] { status = body.solve(); });
+          const char* medium = veins ? "veins" : "checker";
+          std::printf("| %s | %s | %.0e | %d | %d | %d%s | %.1e | %.0f | %.0f |\n", name.c_str(), medium, contrast,
+                      grid, multigrid.deflation().count(), status.iterations,
+                      status.converged ? "" : " (not converged)", status.relative_residual[0], set_up, solve);
+          std::fflush(stdout);
+          rows.push_back({{"grid", grid},
+                          {"shape", name},
+                          {"medium", medium},
+                          {"contrast", contrast},
+                          {"channels", 1},
+                          {"islands", multigrid.deflation().count()},
+                          {"iterations", status.iterations},
+                          {"converged", status.converged},
+                          {"true_residual", status.relative_residual[0]},
+                          {"setup_ms", set_up},
+                          {"solve_ms", solve}});
+        }
+      }
+  }
+  return rows;
+}
+
+// A medium of three colours that differ.
+MediumField coloured(double edit = 1) {
+  return [edit](glm::dvec3 p) {
+    const double s = std::sin(19 * p.x + 3 * p.y + 1) * std::sin(23 * p.y - 4 * p.z) * std::sin(17 * p.z + 5 * p.x + 2);
+    MediumPoint m = scatterer(glm::dvec3(0.02, 0.015, 0.01) * std::pow(100.0, 0.5 * (s - 1)));
+    m.sigma_a = glm::dvec3(0.3, 0.6, 1.2) * (p.x > 0 ? edit : 1.0);
+    m.sigma_s_reduced *= p.x > 0 ? edit : 1.0;
+    return m;
+  };
+}
+
+// Whole solves, deferred corrections included.
+Json repeats(gpu::Context& context, const Arguments& a) {
+  Json rows = Json::array();
+  std::printf(
+      "\n| bunny, grid | channels | set-up ms | cold solve ms | light moved by 10 degrees, share of the cold solve | "
+      "material edited by a fifth, set-up included, share of a cold start |\n| --- | --- | --- | --- | --- | --- |\n");
+  const Mesh mesh = shape_named("bunny", a.meshes).mesh;
+  for (const int grid : a.grids)
+    for (const int channels : {1, 3}) {
+      BenchBody body(context, mesh, grid, coloured(), channels);
+      const MediumSamples first = body.sampled(coloured()), second = body.sampled(coloured(1.2));
+      const double set_up = median_time(
+          a.runs, [] {}, [&] { body.diffusion().set_medium(first); });
+      const double cold = median_time(
+          a.runs, [&] { body.forget(); }, [&] { body.solve(); });
+      int turn = 0;
+      const double moved = median_time(
+          a.runs,
+          [&] {
+            body.light({0.3 + (++turn & 1 ? 0.19 : 0.0), 1, 0.2});
+          },
+          [&] { body.solve(); });
+      const double edited = median_time(
+          a.runs, [] {},
+          [&] {
+            body.diffusion().set_medium(++turn & 1 ? second : first);
+            body.solve();
+          });
+      std::printf("| %d | %d | %.0f | %.0f | %.2f | %.2f |\n", grid, channels, set_up, cold, moved / cold,
+                  edited / (set_up + cold));
+      std::fflush(stdout);
+      rows.push_back({{"grid", grid},
+                      {"shape", "bunny"},
+                      {"channels", channels},
+                      {"setup_ms", set_up},
+                      {"cold_ms", cold},
+                      {"light_moved_ms", moved},
+                      {"material_edited_ms", edited}});
+    }
+  return rows;
+}
+
+Json growth(gpu::Context& context, const Arguments& a) {
+  Json rows = Json::array();
+  std::printf(
+      "\n| shape | grid | inside cells | iterations | set-up, ns a cell | solve, ns a cell |\n"
+      "| --- | --- | --- | --- | --- | --- |\n");
+  const Mesh plate = transformed(box({1, 0.05f, 0.9f}), rotation({1, 2, 3}, 17));
+  std::vector<std::pair<Shape, int>> list;
+  for (const int grid : a.largest ? std::vector<int>{32, 64, 128, 192} : std::vector<int>{32, 64, 128})
+    list.push_back({shape_named("ball", a.meshes), grid});
+  list.push_back({{"plate of 0.05 m", plate}, 128});
+  list.push_back({{"torus", torus(0.35f, 0.15f, 96, 48)}, 128});
+  for (const auto& [shape, grid] : list) {
+    BenchBody body(context, shape.mesh, grid, smooth_medium(1e2), 1);
+    Multigrid& multigrid = body.diffusion().multigrid();
+    const double set_up = median_time(
+        a.runs, [] {}, [&] { multigrid.set_up(); });
+    SolverStatus status;
+    const double solve = median_time(
+        a.runs, [&] { body.forget(); }, [&] { status = body.solve(); });
+    const double cells = body.inside_cells();
+    std::printf("| %s | %d | %d | %d | %.0f | %.0f |\n", shape.name.c_str(), grid, body.inside_cells(),
+                status.iterations, 1e6 * set_up / cells, 1e6 * solve / cells);
+    std::fflush(stdout);
+    rows.push_back({{"grid", grid},
+                    {"shape", shape.name},
+                    {"cells", body.inside_cells()},
+                    {"iterations", status.iterations},
+                    {"setup_ms", set_up},
+                    {"solve_ms", solve}});
+  }
+  return rows;
+}
+
+void run_solver(const Arguments& a) {
+  gpu::ContextOptions options;
+  options.device = a.device;
+  gpu::Context context(options);
+  Json json{{"device", context.info().name}, {"runs", a.runs}};
+  json["contrasts"] = contrasts(context, a);
+  json["repeats"] = repeats(context, a);
+  json["growth"] = growth(context, a);
+  if (!a.json.empty()) write_whole_file(a.json, json.dump(2) + "\n");
+}
+
+}  // namespace
+
+void add_solver(CLI::App& app) {
+  auto* command = app.add_subcommand("solver", "iterations and times of the diffusion solver");
+  auto a = std::make_shared<Arguments>();
+  command->add_option("--meshes", a->meshes, "folder of the scanned meshes")->capture_default_str();
+  command->add_option("--shapes", a->shapes, "ball, bunny, armadillo, ...")->delimiter(',')->capture_default_str();
+  command->add_option("--grids", a->grids, "cells along the longest side")->delimiter(',')->capture_default_str();
+  command->add_option("--contrasts", a->contrasts, "ratios of kappa")->delimiter(',')->capture_default_str();
+  command->add_option("--runs", a->runs, "counted runs")->check(CLI::Range(1, 1000))->capture_default_str();
+  command->add_flag("--largest", a->largest, "time per cell up to 192^3");
+  command->add_option("--device", a->device, "part of the Vulkan device's name");
+  command->add_option("--json", a->json, "results (JSON)");
+  command->callback([a] { run_solver(*a); });
+}
+
+}  // namespace alabaster

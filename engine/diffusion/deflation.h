@@ -1,0 +1,25 @@
+// The islands of all channels, on the device.
+#pragma once
+
+#include "gpu/resources.h"
+
+namespace alabaster {
+
+class Deflation {
+ public:
+  Deflation() = default;
+  /// Finds the islands of the finest stencil.
+  Deflation(gpu::Context& context, const gpu::Image& stencil, glm::ivec3 cells, int channels);
+
+  int count() const { return count_; }  // of all channels
+  const gpu::Buffer& spans() const { return spans_; }
+  const gpu::Buffer& entries() const { return entries_; }
+  const gpu::Buffer& labels() const { return labels_; }  // of every cell and channel; with no islands one uvec4
+  const gpu::Buffer& lifts() const { return lifts_; }    // islands.comp
+
+ private:
+  int count_ = 0;
+  gpu::Buffer spans_, entries_, labels_, lifts_;
+};
+
+}  // namespace alabaster

@@ -1,0 +1,140 @@
+#include "diffusion/islands.h"
+
+#include <algorithm>
+#include <array>
+#include <numeric>
+
+namespace alabaster {
+namespace {
+
+constexpr float strong = 0.01f;   // of the larger diagonal: a face that conducts more than this joins two cells
+constexpr double isolated = 0.1;  // of an island's largest diagonal: what leaves it, a boundary face, is at most this
+
+struct Grid {
+  glm::ivec3 n;
+  std::span<const float> stencil;
+
+  int cells() const { return n.x * n.y * n.z; }
+  glm::ivec3 cell(int i) const { return {i % n.x, i / n.x % n.y, i / (n.x * n.y)}; }
+  int step(int axis) const { return axis == 0 ? 1 : axis == 1 ? n.x : n.x * n.y; }
+  float at(int entry, int i) const {
+    return stencil[i % n.x + std::size_t(n.x) * (entry + DIFFUSION_FINEST_ENTRIES * std::size_t(i / n.x))];
+  }
+  /// Conductance of face 0..5 (towards -x, +x, -y, ...), 0 where there is none. Grids have an empty margin all around.
+  float face(int side, int i) const {
+    const int axis = side / 2, upper = i + (side & 1) * step(axis);
+    return upper < cells() ? at(axis, upper) : 0.f;
+  }
+  int beyond(int side, int i) const { return i + (side & 1 ? 1 : -1) * step(side / 2); }
+};
+
+struct Component {
+  std::vector<int> cells;
+  double reaction = 0, leaving = 0, largest = 0;
+  int faces = 0;
+  double energy() const { return reaction + leaving; }  // Z^T A Z
+  double isolation() const { return faces == 0 ? 1 : energy() / (largest * faces); }
+};
+
+class Forest {  // union-find
+ public:
+  explicit Forest(int n) : parent_(n) { std::iota(parent_.begin(), parent_.end(), 0); }
+  int root(int i) {
+    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
+    return i;
+  }
+  void join(int i, int j) {
+    i = root(i), j = root(j);
+    parent_[std::max(i, j)] = std::min(i, j);
+  }
+
+ private:
+  std::vector<int> parent_;
+};
+
+std::vector<Component> components(const Grid& grid, const std::vector<float>& diagonal, std::vector<int>& number) {
+  Forest forest(grid.cells());
+  for (int axis = 0; axis < 3; ++axis)
+    for (int i = grid.step(axis); i < grid.cells(); ++i) {
+      const int below = i - grid.step(axis);
+      if (grid.at(axis, i) > strong * std::max(diagonal[i], diagonal[below])) forest.join(i, below);
+    }
+  number.assign(grid.cells(), -1);
+  std::vector<Component> list;
+  for (int i = 0; i < grid.cells(); ++i) {
+    if (diagonal[i] <= 0) continue;
+    const int root = forest.root(i);  // the first of its cells
+    if (root == i) {
+      number[i] = static_cast<int>(list.size());
+      list.emplace_back();
+    }
+    number[i] = number[root];
+    list[number[i]].cells.push_back(i);
+  }
+  return list;
+}
+
+}  // namespace
+
+Islands find_islands(glm::ivec3 n, std::span<const float> stencil) {
+  const Grid grid{n, stencil};
+  Islands islands;
+  islands.labels.assign(grid.cells(), 0);
+  if (std::max({n.x, n.y, n.z}) > DIFFUSION_ISLAND_CELLS) return islands;
+  std::vector<float> diagonal(grid.cells());
+  for (int i = 0; i < grid.cells(); ++i) {
+    diagonal[i] = grid.at(DIFFUSION_REACTION, i);
+    for (int side = 0; side < 6; ++side) diagonal[i] += grid.face(side, i);
+  }
+  std::vector<int> number;
+  std::vector<Component> list = components(grid, diagonal, number);
+  const auto leaves = [&](int i, int side) {
+    return grid.face(side, i) > 0 && number[grid.beyond(side, i)] != number[i];
+  };
+  const auto active = std::count_if(diagonal.begin(), diagonal.end(), [](float d) { return d > 0; });
+  std::vector<int> order;
+  for (std::size_t k = 0; k < list.size(); ++k) {
+    Component& c = list[k];
+    // Single cells are the smoother's, most of the object is the coarse grids'.
+    if (c.cells.size() < 2 || 2 * std::ptrdiff_t(c.cells.size()) > active) continue;
+    for (int i : c.cells) {
+      c.reaction += grid.at(DIFFUSION_REACTION, i);
+      c.largest = std::max(c.largest, double(diagonal[i]));
+      for (int side = 0; side < 6; ++side)
+        if (leaves(i, side)) c.leaving += grid.face(side, i), ++c.faces;
+    }
+    if (c.energy() > 0 && c.isolation() <= isolated) order.push_back(static_cast<int>(k));
+  }
+  std::sort(order.begin(), order.end(), [&](int a, int b) {
+    const double x = list[a].isolation(), y = list[b].isolation();
+    return x != y ? x < y : a < b;
+  });
+  for (int k : order) {
+    const Component& c = list[k];
+    std::vector<std::uint32_t> faces;
+    bool touches = false;
+    const auto start = static_cast<std::uint32_t>(islands.entries.size());
+    for (int i : c.cells) {
+      const glm::uvec3 p(grid.cell(i));
+      const std::uint32_t place = p.x | p.y << 9 | p.z << 18;
+      islands.entries.push_back(place | std::uint32_t(DIFFUSION_ISLAND_CELL) << 27);
+      for (int side = 0; side < 6; ++side)
+        if (leaves(i, side)) {
+          faces.push_back(place | std::uint32_t(side) << 27);
+          touches = touches || islands.labels[grid.beyond(side, i)] > 0;
+        }
+    }
+    if (touches) {
+      islands.entries.resize(start);
+      continue;
+    }
+    const auto middle = static_cast<std::uint32_t>(islands.entries.size());
+    islands.entries.insert(islands.entries.end(), faces.begin(), faces.end());
+    islands.spans.push_back(
+        {start, middle, static_cast<std::uint32_t>(islands.entries.size()), 0, static_cast<float>(1 / c.energy())});
+    for (int i : c.cells) islands.labels[i] = static_cast<std::uint32_t>(islands.spans.size());
+  }
+  return islands;
+}
+
+}  // namespace alabaster

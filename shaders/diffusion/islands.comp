@@ -1,0 +1,50 @@
+// What every island is to be lifted by (engine/diffusion/islands.h): E^-1 Z^T (r - A z), or with `start` E^-1 Z^T r; one
+// workgroup an island. Flows within an island cancel in Z^T A z, so only its reaction and what crosses its boundary are
+// summed, and nothing is lost to rounding.
+#version 460
+#extension GL_EXT_scalar_block_layout : require
+#extension GL_GOOGLE_include_directive : require
+#include "shared/diffusion.h"
+layout(local_size_x = 64) in;
+layout(constant_id = 0) const int start = 0;
+layout(push_constant, scalar) uniform PushBlock { IslandPush push; };
+layout(binding = 0, scalar) readonly buffer Spans { IslandSpan spans[]; };
+layout(binding = 1, scalar) readonly buffer Entries { uint entries[]; };
+layout(binding = 2, scalar) writeonly buffer Lifts { float lifts[]; };  // 0 for cells on none, then one an island
+layout(binding = 3, rgba32f) uniform readonly image3D r;
+layout(binding = 4, rgba32f) uniform readonly image3D z;
+layout(binding = 5, rgba32f) uniform readonly image3D stencil;
+shared float shares[64];
+
+float r_at(ivec3 c) { return imageLoad(r, ivec3(c.x >> 2, c.yz))[c.x & 3]; }
+float z_at(ivec3 c) { return imageLoad(z, ivec3(c.x >> 2, c.yz))[c.x & 3]; }
+float entry_at(int entry, ivec3 c) {
+  return imageLoad(stencil, ivec3(entry * (push.cells.x >> 2) + (c.x >> 2), c.yz))[c.x & 3];
+}
+
+float share_of(uint packed_entry, int channel) {
+  ivec3 c = ivec3(packed_entry & 511u, packed_entry >> 9 & 511u, (packed_entry >> 18 & 511u) + channel * push.cells.z);
+  int kind = int(packed_entry >> 27);
+  if (start != 0) return r_at(c);
+  if (kind == DIFFUSION_ISLAND_CELL) return r_at(c) - entry_at(DIFFUSION_REACTION, c) * z_at(c);
+  ivec3 beyond = c;
+  beyond[kind >> 1] += 2 * (kind & 1) - 1;
+  return entry_at(kind >> 1, max(c, beyond)) * (z_at(beyond) - z_at(c));
+}
+
+void main() {
+  uint lane = gl_LocalInvocationIndex;
+  for (uint island = gl_WorkGroupID.x; island < push.islands; island += gl_NumWorkGroups.x) {
+    IslandSpan span = spans[island];
+    uint end = start != 0 ? span.faces : span.end;
+    float sum = 0;
+    for (uint i = span.cells + lane; i < end; i += 64) sum += share_of(entries[i], span.channel);
+    shares[lane] = sum;
+    for (uint half_ = 32; half_ > 0; half_ >>= 1) {
+      barrier();
+      if (lane < half_) shares[lane] += shares[lane + half_];
+    }
+    if (lane == 0) lifts[1 + island] = span.weight * shares[0];
+    barrier();
+  }
+}
