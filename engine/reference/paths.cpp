@@ -142,7 +142,7 @@ class Tracer {
       meet_lamps(path, met ? hit.distance : INFINITY);
       return met ? Event::surface : Event::escape;
     }
-    return medium->gridded() ? advance_in_grid(path, *medium, hit) : advance_in_homogeneous(path, *medium, hit);
+    return medium->varies() ? advance_in_grid(path, *medium, hit) : advance_in_homogeneous(path, *medium, hit);
   }
 
   // Free flight in closed form, in the path's own channel.
@@ -470,7 +470,7 @@ class Tracer {
   bool pass(const Inside& inside, glm::vec3 origin, glm::vec3 direction, float distance, glm::vec3& result) {
     const FlatMedium* medium = medium_of(inside);
     if (!medium) return true;
-    if (!medium->gridded()) {
+    if (!medium->varies()) {
       result *= glm::exp(-medium->homogeneous().sigma_t * distance);
       return largest(result) > 0;
     }
