@@ -4,9 +4,32 @@
 #include "commands.h"
 #include "planner/plan.h"
 #include "scene/load.h"
+#include "scene/procedural.h"
 
 namespace alabaster {
 namespace {
+
+void print_variation(const Medium& m) {
+  if (m.solid) {
+    std::printf("procedural %s, ", solid_names[m.solid->kind]);
+    return;
+  }
+  const Grid& grid = m.sigma_t ? *m.sigma_t : *m.sigma_s;
+  std::printf("grid %d x %d x %d%s, ", grid.size.x, grid.size.y, grid.size.z, grid.trilinear ? "" : " (nearest)");
+}
+
+void print_light(const PunctualLight& light) {
+  const bool far = light.kind == PunctualLight::Kind::directional;
+  std::printf("light %s: %s, %.4g %.4g %.4g %s, ", light.name.c_str(),
+              far                                        ? "directional"
+              : light.kind == PunctualLight::Kind::point ? "point"
+                                                         : "spot",
+              light.intensity.r, light.intensity.g, light.intensity.b, far ? "W/m^2" : "W/sr");
+  if (far)
+    std::printf("a disc of %.3g degrees in the sky\n", 2 * light.radius * 180 / 3.14159265358979);
+  else
+    std::printf("a sphere of radius %.3g mm\n", 1e3 * light.radius);
+}
 
 void print_medium(const Object& object) {
   const Medium& m = object.medium;
@@ -15,8 +38,9 @@ void print_medium(const Object& object) {
   std::printf("    eta %.3g, g %.3g, ", object.eta, m.g);
   if (m.heterogeneous()) {
     const glm::dvec3 most = m.majorant();
-    std::printf("grid %d x %d x %d, sigma_t at most %.4g %.4g %.4g 1/m\n", m.sigma_t->size.x, m.sigma_t->size.y,
-                m.sigma_t->size.z, most.r, most.g, most.b);
+    print_variation(m);
+    std::printf("sigma_t at most %.4g %.4g %.4g 1/m, features of %.3g mm\n", most.r, most.g, most.b,
+                1e3 * m.feature_size());
     return;
   }
   std::printf("sigma_s %.4g %.4g %.4g, sigma_a %.4g %.4g %.4g 1/m\n", sigma_s.r, sigma_s.g, sigma_s.b, sigma_a.r,
@@ -55,6 +79,7 @@ void run(const std::string& path) {
     if (object.role == Role::emissive)
       std::printf("    radiance %.4g %.4g %.4g W/m^2/sr\n", object.radiance.r, object.radiance.g, object.radiance.b);
   }
+  for (const PunctualLight& light : scene.lights) print_light(light);
   for (const Camera& camera : scene.cameras) std::printf("camera %s\n", camera.name.c_str());
   if (scene.environment.picture)
     std::printf("environment: a picture, %.4g W/m^2/sr in the mean over all directions\n",

@@ -16,16 +16,11 @@ MediumField field_of(const Medium& medium) {
     const MediumPoint constant{similarity * medium.homogeneous.sigma_s, medium.homogeneous.sigma_a};
     return [constant](glm::dvec3) { return constant; };
   }
-  const glm::dmat3 box(glm::inverse(medium.world_to_box));
-  double voxel = INFINITY;
-  for (int axis = 0; axis < 3; ++axis)
-    voxel = std::min(voxel, glm::length(box[axis]) / std::max(medium.sigma_t->size[axis], medium.albedo->size[axis]));
-  if (medium.sigma_t->trilinear && medium.albedo->trilinear) voxel *= 2;  // a voxel's tent reaches into both neighbours
   const auto at = [medium, similarity](glm::dvec3 world) {
     const Coefficients c = medium.at(world);
     return MediumPoint{similarity * c.sigma_s, c.sigma_a};
   };
-  return {at, voxel};
+  return {at, medium.feature_size()};
 }
 
 int samples_an_axis(double feature, double h) {

@@ -29,7 +29,7 @@ struct MediumField {
   double feature = INFINITY;  // m: width of the finest thing in it; infinite where nothing is finer than a cell
 };
 
-/// The feature of a grid is its voxel's shortest edge, twice that where it is interpolated.
+/// Its feature is Medium::feature_size().
 MediumField field_of(const Medium& medium);
 
 /// Cells are sub-sampled so that a feature is met twice along each axis, but at most this often: features down to a quarter

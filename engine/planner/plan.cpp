@@ -31,9 +31,7 @@ bool is_grey(const Scene& scene) {
   for (const Object& object : scene.objects) {
     if (object.role == Role::emissive && !is_grey(object.radiance)) return false;
     if (object.role != Role::translucent) continue;
-    const Medium& m = object.medium;
-    if (!is_grey(m.homogeneous.sigma_s) || !is_grey(m.homogeneous.sigma_a)) return false;
-    if (m.heterogeneous() && (m.sigma_t->channels > 1 || m.albedo->channels > 1)) return false;
+    if (!object.medium.grey()) return false;
   }
   for (const PunctualLight& light : scene.lights)
     if (!is_grey(light.intensity)) return false;

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "scene/procedural.h"
+
 namespace alabaster {
 namespace {
 
@@ -53,23 +55,51 @@ FlatMedium::FlatMedium(const Medium& medium) : g_(static_cast<float>(medium.g)) 
     scattered_[hero] = uniform_.sigma_s / uniform_.sigma_t[hero];
     density_[hero] = uniform_.sigma_t / uniform_.sigma_t[hero];
   }
-  if (!medium.heterogeneous()) return;
+  varies_ = medium.heterogeneous();
+  if (!varies_) return;
+  to_box_ = glm::mat4(medium.world_to_box);
+  scale_ = static_cast<float>(medium.scale);
   sigma_t_grid_ = medium.sigma_t;
   albedo_grid_ = medium.albedo;
-  scale_ = static_cast<float>(medium.scale);
-  to_box_ = glm::mat4(medium.world_to_box);
-  grey_ = sigma_t_grid_->channels == 1;
-  make_majorants();
+  sigma_s_grid_ = medium.sigma_s;
+  sigma_a_grid_ = medium.sigma_a;
+  solid_ = medium.solid;
+  depth_ = medium.depth;
+  to_depth_ = glm::mat4(medium.world_to_depth);
+  grey_ = sigma_t_grid_ ? sigma_t_grid_->channels == 1 : medium.grey();
+  if (sigma_t_grid_)
+    make_majorants({sigma_t_grid_.get()});
+  else if (sigma_s_grid_)
+    make_majorants({sigma_s_grid_.get(), sigma_a_grid_.get()});
+  else
+    bound_solid();
 }
 
-void FlatMedium::make_majorants() {
-  const Grid& grid = *sigma_t_grid_;
-  blocks_ = glm::min(grid.size, glm::ivec3(most_blocks));
+// The same everywhere: noise has no smaller bound over a block than over all.
+void FlatMedium::bound_solid() {
+  float most = 0;
+  least_ = infinity;
+  for (const SolidPart& part : solid_->parts) {
+    most = std::max(most, largest(part.sigma_s + part.sigma_a));
+    least_ = std::min(least_, smallest(part.sigma_s + part.sigma_a));
+  }
+  majorants_ = {most * 1.00001f};
+  empty_ = most <= 0;
+}
+
+// Over one block, the sum of what each grid has at the most there. Blocks are of the first grid's cells, or fewer.
+void FlatMedium::make_majorants(const std::vector<const Grid*>& grids) {
+  blocks_ = glm::min(grids[0]->size, glm::ivec3(most_blocks));
   majorants_.assign(
       static_cast<std::size_t>(blocks_.x) * static_cast<std::size_t>(blocks_.y) * static_cast<std::size_t>(blocks_.z),
       0.0f);
-  least_ = infinity;
-  float most = 0;
+  least_ = 0;
+  for (const Grid* grid : grids) add_majorants(*grid);
+  empty_ = *std::max_element(majorants_.begin(), majorants_.end()) <= 0;
+}
+
+void FlatMedium::add_majorants(const Grid& grid) {
+  float least = infinity;
   std::size_t index = 0;
   for (int z = 0; z < blocks_.z; ++z)
     for (int y = 0; y < blocks_.y; ++y)
@@ -78,23 +108,34 @@ void FlatMedium::make_majorants() {
         const glm::ivec3 block(x, y, z);
         const glm::ivec3 first = glm::max(block * grid.size / blocks_ - 1, glm::ivec3(0));
         const glm::ivec3 last = glm::min(((block + 1) * grid.size + blocks_ - 1) / blocks_, grid.size - 1);
+        float most = 0;
         for (int k = first.z; k <= last.z; ++k)
           for (int j = first.y; j <= last.y; ++j)
             for (int i = first.x; i <= last.x; ++i) {
               const glm::vec3 value = scale_ * cell_value(grid, {i, j, k});
               // One part in 1e5 above: interpolation in float must never exceed it.
-              majorants_[index] = std::max(majorants_[index], largest(value) * 1.00001f);
-              least_ = std::min(least_, smallest(value));
+              most = std::max(most, largest(value) * 1.00001f);
+              least = std::min(least, smallest(value));
             }
-        most = std::max(most, majorants_[index]);
+        majorants_[index] += most;
       }
-  empty_ = most <= 0;
+  least_ += least;
 }
 
 Optics FlatMedium::at(glm::vec3 world) const {
-  if (!gridded()) return uniform_;
+  if (!varies_) return uniform_;
   const glm::vec3 u(to_box_ * glm::vec4(world, 1.0f));
   Optics optics;
+  if (solid_) {
+    const float below = depth_ ? sample(*depth_, glm::vec3(to_depth_ * glm::vec4(world, 1.0f))).x : 0.0f;
+    const SolidCoefficients<float> c = solid_at<float>(*solid_, u, below);
+    return {c.sigma_s + c.sigma_a, c.sigma_s};
+  }
+  if (sigma_s_grid_) {
+    optics.sigma_s = scale_ * sample(*sigma_s_grid_, u);
+    optics.sigma_t = optics.sigma_s + scale_ * sample(*sigma_a_grid_, u);
+    return optics;
+  }
   optics.sigma_t = scale_ * sample(*sigma_t_grid_, u);
   optics.sigma_s = optics.sigma_t * (albedo_grid_ ? sample(*albedo_grid_, u) : glm::vec3(1));
   return optics;

@@ -15,14 +15,14 @@ struct Optics {
   glm::vec3 sigma_s{0};  // 1/m
 };
 
-/// Flattened scene Medium. A grid's coefficients are sampled as Grid::sample does, in float.
+/// Flattened scene Medium. Coefficients that vary are sampled as Medium::at() does, in float.
 class FlatMedium {
  public:
   FlatMedium() = default;
   explicit FlatMedium(const Medium& medium);
 
-  bool empty() const { return empty_; }  // neither scatters nor absorbs
-  bool gridded() const { return sigma_t_grid_ != nullptr; }
+  bool empty() const { return empty_; }       // neither scatters nor absorbs
+  bool varies() const { return varies_; }     // over space
   bool grey_flight() const { return grey_; }  // sigma_t is the same in the three channels everywhere
   float g() const { return g_; }
   float least_sigma_t() const { return least_; }  // over space and channels, 1/m
@@ -36,21 +36,28 @@ class FlatMedium {
 
  private:
   friend class Candidates;
-  void make_majorants();
+  void make_majorants(const std::vector<const Grid*>& grids);
+  void add_majorants(const Grid& grid);
+  void bound_solid();
   bool empty_ = true, grey_ = true;
   float g_ = 0, scale_ = 1, least_ = 0;
   Optics uniform_;
   glm::vec3 mean_free_path_{0};
   glm::mat3 scattered_{0}, density_{0};
+  bool varies_ = false;
   std::shared_ptr<const Grid> sigma_t_grid_, albedo_grid_;
-  glm::mat4 to_box_{1};
+  std::shared_ptr<const Grid> sigma_s_grid_, sigma_a_grid_;
+  std::shared_ptr<const ProceduralSolid> solid_;
+  std::shared_ptr<const Grid> depth_;
+  glm::mat4 to_box_{1}, to_depth_{1};
   glm::ivec3 blocks_{1};
   std::vector<float> majorants_;  // largest sigma_t in a block over the channels, 1/m; x fastest
 };
 
-/// The candidate collisions of delta tracking and ratio tracking along a ray in a grid medium: a Poisson process whose
-/// rate is the local majorant of blocks of cells, walked block by block (E. Woodcock 1965; L. Szirmay-Kalos et al. 2011
-/// for the local majorants). Beyond the box the outermost blocks go on for ever, as the grid's own clamping does.
+/// The candidate collisions of delta tracking and ratio tracking along a ray in a medium that varies: a Poisson process
+/// whose rate is the local majorant of blocks of cells, walked block by block (E. Woodcock 1965; L. Szirmay-Kalos et
+/// al. 2011 for the local majorants). Beyond the box the outermost blocks go on for ever, as the grid's own clamping
+/// does.
 class Candidates {
  public:
   Candidates(const FlatMedium& medium, glm::vec3 origin, glm::vec3 direction, Random& random);

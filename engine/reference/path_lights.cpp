@@ -210,7 +210,7 @@ glm::vec3 Tracer::transmittance(const Path& path, glm::vec3 direction, float dis
 bool Tracer::pass(const Inside& inside, glm::vec3 origin, glm::vec3 direction, float distance, glm::vec3& result) {
   const FlatMedium* medium = medium_of(inside);
   if (!medium) return true;
-  if (!medium->gridded()) {
+  if (!medium->varies()) {
     result *= glm::exp(-medium->homogeneous().sigma_t * distance);
     return largest(result) > 0;
   }

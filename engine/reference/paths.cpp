@@ -81,7 +81,7 @@ Tracer::Event Tracer::advance(Path& path, Hit& hit) {
     meet_lamps(path, met ? hit.distance : INFINITY);
     return met ? Event::surface : Event::escape;
   }
-  return medium->gridded() ? advance_in_grid(path, *medium, hit) : advance_in_homogeneous(path, *medium, hit);
+  return medium->varies() ? advance_in_grid(path, *medium, hit) : advance_in_homogeneous(path, *medium, hit);
 }
 
 // Free flight in closed form, in the path's own channel.

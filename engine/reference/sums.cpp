@@ -8,6 +8,7 @@
 
 #include "image/whole_file.h"
 #include "scene/error.h"
+#include "shared/procedural.h"
 
 namespace alabaster {
 namespace {
@@ -164,6 +165,8 @@ std::uint64_t fingerprint_of(const Scene& scene) {
     hash = hash_of(o.mesh.positions, hash_of(o.mesh.triangles, hash_of(o.role, hash)));
     hash = hash_of(o.medium.homogeneous.sigma_s, hash_of(o.medium.homogeneous.sigma_a, hash_of(o.medium.g, hash)));
     hash = hash_grid(o.medium.sigma_t, hash_grid(o.medium.albedo, hash));
+    hash = hash_grid(o.medium.sigma_s, hash_grid(o.medium.sigma_a, hash));
+    if (o.medium.solid) hash = hash_of(*o.medium.solid, hash);
     hash = hash_of(o.medium.scale, hash_of(o.medium.world_to_box, hash));
     hash = hash_of(o.eta, hash_of(o.albedo, hash_of(o.radiance, hash_of(o.two_sided, hash))));
   }

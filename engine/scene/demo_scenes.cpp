@@ -5,11 +5,14 @@
 #include <filesystem>
 #include <functional>
 
+#include "scene/depth.h"
 #include "scene/error.h"
 #include "scene/marble.h"
+#include "scene/material.h"
 #include "scene/mesh_check.h"
 #include "scene/off.h"
 #include "scene/presets.h"
+#include "scene/procedural.h"
 #include "scene/shapes.h"
 
 namespace alabaster {
@@ -18,7 +21,7 @@ namespace {
 constexpr double height = 0.1;  // m
 constexpr float gap = 2e-4f;    // m below the object, lest two surfaces lie in one plane
 
-enum class Light { front, back, furnace };
+enum class Light { front, back, furnace, punctual };
 
 struct Recipe {
   std::string name, mesh;
@@ -40,6 +43,15 @@ std::function<Medium(const Bounds&)> measured(const std::string& name) {
   return homogeneous(found.sigma_s, found.sigma_a);
 }
 
+std::function<Medium(const Bounds&)> procedural(std::uint32_t kind) {
+  return [=](const Bounds& bounds) {
+    Medium medium;
+    medium.solid = std::make_shared<ProceduralSolid>(usual_solid(kind));
+    medium.world_to_box = place_pattern({}, bounds, kind);
+    return medium;
+  };
+}
+
 std::vector<Recipe> recipes() {
   auto marble = [](const Bounds& bounds) { return veined_marble(bounds, 64); };
   auto white = homogeneous(glm::dvec3(500), glm::dvec3(0));  // 50 mean free paths, nothing absorbed
@@ -56,6 +68,12 @@ std::vector<Recipe> recipes() {
           {"sphere-marble", "sphere", Light::front, 1.5, marble},
           {"torus-wax", "torus", Light::front, 1.4, wax},
           {"box-potato", "box", Light::front, 1.3, measured("potato")},
+          {"torus-lights", "torus", Light::punctual, 1.4, wax},
+          {"bunny-jade", "bunny", Light::front, 1.5, procedural(solid_jade)},
+          {"bunny-agate", "bunny", Light::front, 1.5, procedural(solid_agate)},
+          {"sphere-wood", "sphere", Light::front, 1.4, procedural(solid_wood)},
+          {"torus-checker", "torus", Light::front, 1.3, procedural(solid_checker)},
+          {"hand-layers", "hand", Light::front, 1.4, procedural(solid_skin)},
           {"plate-leaf", "plate", Light::back, 1.3, leaf},
           {"sphere-furnace", "sphere", Light::furnace, 1.3, white},
           {"box-furnace", "box", Light::furnace, 1.3, white},
@@ -109,7 +127,15 @@ void light(Scene& scene, Light kind) {
     scene.environment.radiance = glm::vec3(1);
     return;
   }
-  if (kind == Light::back) {
+  if (kind == Light::punctual) {
+    using Kind = PunctualLight::Kind;
+    const double usual = 0.02;
+    scene.lights = {{"bulb", Kind::point, {0.4f, 0.32f, 0.2f}, {-0.22f, 0.3f, 0.26f}, {0, 0, -1}, 0, 0.7, 0.008},
+                    {"torch", Kind::spot, {0.2f, 0.3f, 0.5f}, {0.3f, 0.25f, 0.1f}, {0, 0, -1}, 0.1, 0.25, 0.007},
+                    {"sun", Kind::directional, {0.8f, 0.8f, 0.8f}, {0, 0, 0}, {0, 0, -1}, 0, 0.7, usual}};
+    scene.lights[1].direction = glm::normalize(glm::vec3(0, 0.05f, 0) - scene.lights[1].position);
+    scene.lights[2].direction = glm::normalize(glm::vec3(0.2f, -1, 0.5f));
+  } else if (kind == Light::back) {
     scene.objects.push_back(lamp("back", {0.12, 0.22, -0.3}, 0.24f, {22, 21, 20}));
     scene.objects.push_back(lamp("key", {-0.25, 0.3, 0.3}, 0.24f, {2.5f, 2.5f, 2.75f}));
   } else {
@@ -145,6 +171,7 @@ Scene made(const Recipe& recipe, const std::string& folder) {
   object.eta = recipe.eta;
   Bounds bounds = bounds_of(object.mesh);
   object.medium = recipe.medium(bounds);
+  add_depth(object);
   scene.objects.push_back(std::move(object));
   scene.cameras.push_back(framing(bounds));
   light(scene, recipe.light);

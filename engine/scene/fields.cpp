@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "scene/error.h"
+#include "scene/shapes.h"
 
 namespace alabaster {
 namespace {
@@ -64,6 +65,21 @@ glm::dvec4 Fields::rgba(const std::string& key) const {
   return {triple(value), value[3].get<double>()};
 }
 
+std::vector<double> Fields::numbers(const std::string& key, std::size_t count) const {
+  const nlohmann::json& value = need(key, "a list of numbers");
+  if (!is_tuple(value, count)) fail(key, "must be a list of " + std::to_string(count) + " finite numbers");
+  return value.get<std::vector<double>>();
+}
+
+std::vector<Fields> Fields::list(const std::string& key) const {
+  const nlohmann::json& value = need(key, "a list of objects");
+  if (!value.is_array()) fail(key, "must be a list [...]");
+  std::vector<Fields> items;
+  for (std::size_t i = 0; i < value.size(); ++i)
+    items.emplace_back(value[i], file_, path_of(key) + "[" + std::to_string(i) + "]");
+  return items;
+}
+
 bool Fields::flag(const std::string& key) const {
   if (!has(key)) return false;
   if (!json_[key].is_boolean()) fail(key, "must be true or false");
@@ -74,6 +90,19 @@ std::string Fields::text(const std::string& key) const {
   const nlohmann::json& value = need(key, "a string");
   if (!value.is_string()) fail(key, "must be a string");
   return value.get<std::string>();
+}
+
+bool Fields::trilinear() const {
+  if (!has("filter")) return true;
+  const std::string filter = text("filter");
+  if (filter != "trilinear" && filter != "nearest") fail("filter", "must be \"trilinear\" or \"nearest\"");
+  return filter == "trilinear";
+}
+
+glm::dmat4 Fields::box() const {
+  const glm::dvec3 low = point("bbox_min"), high = point("bbox_max");
+  if (!glm::all(glm::lessThan(low, high))) fail("bbox_max", "must be larger than bbox_min along every axis");
+  return glm::inverse(translation(low) * scaling(high - low));
 }
 
 Fields Fields::child(const std::string& key) const {

@@ -4,6 +4,7 @@
 #include <glm/glm.hpp>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <vector>
 
 namespace alabaster {
 
@@ -24,8 +25,15 @@ class Fields {
   glm::dvec4 rgba(const std::string& key) const;
   /// [x, y, z].
   glm::dvec3 point(const std::string& key) const;
+  std::vector<double> numbers(const std::string& key, std::size_t count) const;
+  /// The objects of a list.
+  std::vector<Fields> list(const std::string& key) const;
   std::string text(const std::string& key) const;
   bool flag(const std::string& key) const;  // false where there is none
+  /// "filter" of a grid: "trilinear", as without it, or "nearest".
+  bool trilinear() const;
+  /// "bbox_min" and "bbox_max": positions -> the unit cube that the box between them becomes.
+  glm::dmat4 box() const;
   /// The object under `key`; an empty one where there is none.
   Fields child(const std::string& key) const;
   const std::string& file() const { return file_; }

@@ -8,12 +8,14 @@
 #include <glm/gtc/quaternion.hpp>
 #include <set>
 
+#include "scene/depth.h"
 #include "scene/error.h"
 #include "scene/fields.h"
 #include "scene/files.h"
 #include "scene/material.h"
 #include "scene/mesh_check.h"
 #include "scene/primitive.h"
+#include "scene/procedural.h"
 #include "scene/punctual.h"
 #include "scene/shapes.h"
 
@@ -22,14 +24,10 @@ namespace {
 
 using nlohmann::json;
 
-const std::set<std::string> extensions_read = {"KHR_materials_ior",
-                                               "KHR_materials_volume",
-                                               "KHR_materials_volume_scatter",
-                                               "KHR_materials_scatter",
-                                               "KHR_materials_transmission",
-                                               "KHR_materials_emissive_strength",
-                                               "KHR_lights_punctual",
-                                               "KHR_materials_diffuse_transmission"};
+const std::set<std::string> extensions_read = {
+    "KHR_materials_ior",      "KHR_materials_volume",       "KHR_materials_volume_scatter",
+    "KHR_materials_scatter",  "KHR_materials_transmission", "KHR_materials_emissive_strength",
+    "KHR_materials_specular", "KHR_lights_punctual",        "KHR_materials_diffuse_transmission"};
 
 /// A glTF file twice over: tinygltf's model for meshes and buffers, and its JSON for what tinygltf does not know.
 struct Document {
@@ -143,6 +141,8 @@ class Builder {
     read_environment();
     for (int root : roots()) walk(root);
     check();
+    resize();
+    for (Object& object : scene_.objects) add_depth(object);
     give_extent(scene_);
     return std::move(scene_);
   }
@@ -236,6 +236,7 @@ class Builder {
   void add_object(const std::string& name, int material_index, Mesh mesh, const glm::dmat4& to_world) {
     const Material& source = material(material_index);
     std::string place = document_.path + ": mesh '" + name + "'";
+    const Bounds own_bounds = bounds_of(mesh);
     Object object{name,
                   source.role,
                   transformed(std::move(mesh), to_world),
@@ -249,7 +250,10 @@ class Builder {
         throw UserError(place + " lies too far out for 32-bit floats; bring it nearer");
     if (source.role == Role::translucent) {
       if (source.medium.heterogeneous()) {
-        object.medium.world_to_box = source.medium.world_to_box * glm::inverse(to_world);
+        const glm::dmat4 box = source.medium.solid
+                                   ? place_pattern(source.pattern, own_bounds, source.medium.solid->kind)
+                                   : source.medium.world_to_box;
+        object.medium.world_to_box = box * glm::inverse(to_world);
         if (!finite(object.medium.world_to_box))
           throw UserError(place + ": its node flattens it; give a scale without zeros");
       }
@@ -342,6 +346,35 @@ class Builder {
     if (size.x != 2 * size.y)
       scene_.warnings.push_back("environment: the picture is not twice as wide as it is high; it is taken as a whole "
                                 "sphere in latitude and longitude all the same");
+  }
+
+  /// scene.extras.size: how tall the translucent objects are, in metres, whatever the file's unit. All is scaled about
+  /// the origin, lights so that they light as before; coefficients are in 1/m and stay.
+  void resize() {
+    if (model_.scenes.empty() || std::size_t(scene_index()) >= model_.scenes.size()) return;
+    const Fields source = document_.fields("scenes", scene_index(), "scene");
+    if (!source.is_object("extras") || !source.child("extras").has("size")) return;
+    const Fields extras = source.child("extras");
+    const double size = extras.number("size");
+    if (size <= 0) extras.fail("size", "must be positive (metres)");
+    Bounds bounds;
+    for (const Object& object : scene_.objects)
+      if (object.role == Role::translucent)
+        for (const glm::vec3& p : object.mesh.positions) bounds.add(p);
+    if (!(bounds.low.y < bounds.high.y)) extras.fail("size", "needs a translucent object, whose height it is");
+    const double factor = size / double(bounds.size().y);
+    for (Object& object : scene_.objects) {
+      for (glm::vec3& p : object.mesh.positions) p = glm::vec3(factor * glm::dvec3(p));
+      object.medium.world_to_box = object.medium.world_to_box * scaling(glm::dvec3(1 / factor));
+    }
+    for (Camera& camera : scene_.cameras)
+      camera.to_world[3] = glm::vec4(glm::vec3(factor * glm::dvec3(camera.to_world[3])), 1);
+    for (PunctualLight& light : scene_.lights) {
+      light.position = glm::vec3(factor * glm::dvec3(light.position));
+      if (light.kind == PunctualLight::Kind::directional) continue;
+      light.intensity = glm::vec3(factor * factor * glm::dvec3(light.intensity));
+      light.radius *= factor;
+    }
   }
 
   void check() const {

@@ -7,7 +7,9 @@
 
 #include "scene/error.h"
 #include "scene/presets.h"
+#include "scene/procedural.h"
 #include "scene/shapes.h"
+#include "scene/vdb.h"
 #include "scene/vol.h"
 
 namespace alabaster {
@@ -83,18 +85,21 @@ std::shared_ptr<const Grid> read_grid(const Fields& medium, const std::string& k
 Medium grid_medium(const Fields& from, GridCache& grids) {
   Medium medium;
   medium.g = anisotropy(from, "g");
-  bool trilinear = true;
-  if (from.has("filter")) {
-    std::string filter = from.text("filter");
-    if (filter != "trilinear" && filter != "nearest") from.fail("filter", "must be \"trilinear\" or \"nearest\"");
-    trilinear = filter == "trilinear";
-  }
+  const bool trilinear = from.trilinear();
   auto filtered = [&](std::shared_ptr<const Grid> grid) {
     if (grid->trilinear == trilinear) return grid;
     Grid copy = *grid;
     copy.trilinear = trilinear;
     return std::shared_ptr<const Grid>(std::make_shared<Grid>(std::move(copy)));
   };
+  medium.world_to_box = from.box();
+  if (from.has("sigma_s")) {
+    medium.sigma_s = filtered(read_grid(from, "sigma_s", INFINITY, grids));
+    medium.sigma_a = filtered(read_grid(from, "sigma_a", INFINITY, grids));
+    medium.scale = from.number_or("scale", 1);
+    if (medium.scale <= 0) from.fail("scale", "must be positive");
+    return medium;
+  }
   medium.sigma_t = filtered(read_grid(from, "sigma_t", INFINITY, grids));
   medium.albedo = filtered(read_grid(from, "albedo", 1, grids));
   if (from.is_object("sigma_t")) {
@@ -102,9 +107,19 @@ Medium grid_medium(const Fields& from, GridCache& grids) {
     medium.scale = sigma_t.number_or("scale", 1);
     if (medium.scale <= 0) sigma_t.fail("scale", "must be positive");
   }
-  glm::dvec3 low = from.point("bbox_min"), high = from.point("bbox_max");
-  if (!glm::all(glm::lessThan(low, high))) from.fail("bbox_max", "must be larger than bbox_min along every axis");
-  medium.world_to_box = glm::inverse(translation(low) * scaling(high - low));
+  return medium;
+}
+
+/// The pattern's frame is the object's; where the scene does not place it, place_pattern() does.
+Medium procedural_medium(const Fields& from, Material& out) {
+  Medium medium;
+  medium.g = anisotropy(from, "g");
+  medium.solid = std::make_shared<ProceduralSolid>(read_procedural(from));
+  if (from.has("origin")) out.pattern.origin = from.point("origin");
+  if (from.has("size")) {
+    out.pattern.size = from.number("size");
+    if (*out.pattern.size <= 0) from.fail("size", "must be positive");
+  }
   return medium;
 }
 
@@ -115,6 +130,11 @@ void read_extras_medium(const Fields& from, GridCache& grids, Material& out) {
     out.medium.g = anisotropy(from, "g");
   } else if (type == "grid") {
     out.medium = grid_medium(from, grids);
+  } else if (type == "vdb") {
+    out.medium = read_vdb_medium(from);
+    out.medium.g = anisotropy(from, "g");
+  } else if (type == "procedural") {
+    out.medium = procedural_medium(from, out);
   } else if (type == "preset") {
     std::string name = from.text("name");
     std::optional<Preset> found = preset(name);
@@ -122,7 +142,8 @@ void read_extras_medium(const Fields& from, GridCache& grids, Material& out) {
     out.medium.homogeneous = found->coefficients;
     out.eta = found->eta;
   } else {
-    from.fail("type", "\"" + type + "\" is not known; use \"homogeneous\", \"grid\" or \"preset\"");
+    from.fail("type",
+              "\"" + type + "\" is not known; use \"homogeneous\", \"grid\", \"vdb\", \"procedural\" or \"preset\"");
   }
 }
 
@@ -140,6 +161,27 @@ void read_emission(const Fields& material, const Fields& extensions, Material& o
   if (strength < 0) emissive.fail("emissiveStrength", "must not be negative");
   out.radiance = glm::vec3(strength * factor);
   if (!all(out.radiance, [](double v) { return std::isfinite(v); })) emissive.fail("emissiveStrength", "is too large");
+}
+
+/// KHR_materials_specular scales what the surface mirrors at normal incidence. Here one index is both the mirror and
+/// the refraction: the one that mirrors as much, (1 - eta)^2 / (1 + eta)^2 = specularFactor * specularColorFactor *
+/// F_0.
+void read_specular(const Fields& extensions, Material& out) {
+  const std::string name = "KHR_materials_specular";
+  if (!extensions.has(name)) return;
+  const Fields specular = extensions.child(name);
+  const double factor = specular.number_or("specularFactor", 1);
+  if (factor < 0 || factor > 1) specular.fail("specularFactor", "must lie in 0..1");
+  const glm::dvec3 colour =
+      specular.has("specularColorFactor") ? non_negative(specular, "specularColorFactor") : glm::dvec3(1);
+  if (colour.r != colour.g || colour.g != colour.b)
+    out.warning = "the colour of specularColorFactor is not rendered; its mean is used";
+  const double mirrored = factor * (colour.r + colour.g + colour.b) / 3;
+  if (mirrored == 1) return;
+  const double ratio = std::abs((out.eta - 1) / (out.eta + 1)) * std::sqrt(mirrored);
+  if (ratio >= 0.9) specular.fail("specularColorFactor", "mirrors more than 81 %, which no dielectric does; lower it");
+  const double eta = (1 + ratio) / (1 - ratio);
+  out.eta = out.eta >= 1 ? eta : 1 / eta;
 }
 
 glm::vec3 base_colour(const Fields& material) {
@@ -177,6 +219,7 @@ Material read_material(const Fields& material, GridCache& grids) {
     }
     if (extensions.has("KHR_materials_ior")) out.eta = extensions.child("KHR_materials_ior").number_or("ior", 1.5);
     if (out.eta <= 0) extensions.child("KHR_materials_ior").fail("ior", "must be positive (1 = index-matched)");
+    read_specular(extensions, out);
     if (out.radiance != glm::vec3(0)) out.warning = "emission of a translucent material is ignored";
     out.radiance = glm::vec3(0);
   } else if (out.radiance != glm::vec3(0)) {
@@ -187,6 +230,15 @@ Material read_material(const Fields& material, GridCache& grids) {
     out.warning = "textures are not read; baseColorFactor is used";
   }
   return out;
+}
+
+glm::dmat4 place_pattern(const Pattern& pattern, const Bounds& bounds, std::uint32_t kind) {
+  const glm::dvec3 edges = bounds.size();
+  const double size =
+      pattern.size.value_or(std::max({edges.x, edges.y, edges.z, 1e-30}) / (kind == solid_checker ? 8 : 1));
+  const bool central = kind == solid_wood || kind == solid_agate;
+  const glm::dvec3 origin = pattern.origin.value_or(glm::dvec3(central ? bounds.centre() : bounds.low));
+  return glm::inverse(translation(origin) * scaling(glm::dvec3(size)));
 }
 
 }  // namespace alabaster

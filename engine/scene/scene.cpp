@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "scene/procedural.h"
+
 namespace alabaster {
 
 Bounds bounds_of(const Mesh& mesh) {
@@ -41,22 +43,59 @@ glm::dvec3 Grid::sample(glm::dvec3 unit_cube) const {
   return sum;
 }
 
+bool Medium::grey() const {
+  const auto grey = [](glm::dvec3 c) { return c.r == c.g && c.g == c.b; };
+  if (solid) {
+    for (const SolidPart& part : solid->parts)
+      if (!grey(part.sigma_s) || !grey(part.sigma_a)) return false;
+    return true;
+  }
+  for (const auto& grid : {sigma_t, albedo, sigma_s, sigma_a})
+    if (grid && grid->channels > 1) return false;
+  return gridded() || (grey(homogeneous.sigma_s) && grey(homogeneous.sigma_a));
+}
+
 Coefficients Medium::at(glm::dvec3 world) const {
   if (!heterogeneous()) return homogeneous;
-  glm::dvec3 p(world_to_box * glm::dvec4(world, 1));
-  glm::dvec3 extinction = scale * sigma_t->sample(p);
-  glm::dvec3 a = albedo->sample(p);
+  const glm::dvec3 p(world_to_box * glm::dvec4(world, 1));
+  if (solid) {
+    const double below = depth ? depth->sample(glm::dvec3(world_to_depth * glm::dvec4(world, 1))).x : 0;
+    const SolidCoefficients<double> c = solid_at<double>(*solid, p, below);
+    return {c.sigma_s, c.sigma_a};
+  }
+  if (sigma_s) return {scale * sigma_s->sample(p), scale * sigma_a->sample(p)};
+  const glm::dvec3 extinction = scale * sigma_t->sample(p), a = albedo->sample(p);
   return {extinction * a, extinction * (1.0 - a)};
 }
 
+glm::dvec3 Grid::largest() const {
+  glm::dvec3 most(0);
+  for (std::size_t i = 0; i < values.size(); i += channels)
+    most = glm::max(most, channels == 1 ? glm::dvec3(values[i]) : glm::dvec3(values[i], values[i + 1], values[i + 2]));
+  return most;
+}
+
 glm::dvec3 Medium::majorant() const {
-  if (!heterogeneous()) return homogeneous.sigma_s + homogeneous.sigma_a;
-  glm::dvec3 largest(0);
-  for (std::size_t i = 0; i < sigma_t->values.size(); i += sigma_t->channels) {
-    const float* cell = &sigma_t->values[i];
-    largest = glm::max(largest, sigma_t->channels == 1 ? glm::dvec3(cell[0]) : glm::dvec3(cell[0], cell[1], cell[2]));
+  if (solid) {
+    glm::dvec3 most(0);
+    for (const SolidPart& part : solid->parts)
+      most = glm::max(most, glm::dvec3(part.sigma_s) + glm::dvec3(part.sigma_a));
+    return most;
   }
-  return scale * largest;
+  if (sigma_s) return scale * (sigma_s->largest() + sigma_a->largest());
+  return sigma_t ? scale * sigma_t->largest() : homogeneous.sigma_s + homogeneous.sigma_a;
+}
+
+double Medium::feature_size() const {
+  const glm::dmat3 box(glm::inverse(world_to_box));
+  const double unit = std::min({glm::length(box[0]), glm::length(box[1]), glm::length(box[2])});
+  if (solid && solid->kind == solid_skin) return std::min(solid->depths.x, solid->depths.y - solid->depths.x);
+  if (solid) return unit * solid_feature(*solid);
+  double voxel = INFINITY;
+  for (const auto& grid : {sigma_t, albedo, sigma_s, sigma_a})
+    for (int axis = 0; axis < 3 && grid; ++axis)
+      voxel = std::min(voxel, glm::length(box[axis]) / grid->size[axis] * (grid->trilinear ? 2 : 1));
+  return voxel;
 }
 
 }  // namespace alabaster

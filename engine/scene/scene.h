@@ -37,7 +37,10 @@ struct Grid {
 
   glm::dvec3 at(glm::ivec3 cell) const;           // clamped to the grid; grey is spread over r, g, b
   glm::dvec3 sample(glm::dvec3 unit_cube) const;  // position in the box, each coordinate 0..1
+  glm::dvec3 largest() const;                     // value of each channel
 };
+
+struct ProceduralSolid;  // shared/procedural.h
 
 /// Scattering and absorption at a point.
 struct Coefficients {
@@ -45,21 +48,35 @@ struct Coefficients {
   glm::dvec3 sigma_a{0};  // 1/m
 };
 
-/// What a translucent object is made of. Where `sigma_t` (the grid) is set the medium is heterogeneous and
-/// sigma_s = scale * sigma_t * albedo, sigma_a = scale * sigma_t * (1 - albedo), each grid interpolated by itself.
+/// What a translucent object is made of: by grids, a procedural solid, or the same everywhere.
+/// Grids: sigma_s = scale * sigma_t * albedo, sigma_a = scale * sigma_t * (1 - albedo), or scale times those of sigma_s
+/// and sigma_a themselves; each grid is interpolated by itself.
 struct Medium {
   Coefficients homogeneous;
   double g = 0;  // mean cosine of the Henyey-Greenstein phase function, in (-1, 1)
 
-  std::shared_ptr<const Grid> sigma_t;  // 1/m before `scale`; null for a homogeneous medium
+  std::shared_ptr<const Grid> sigma_t;  // 1/m before `scale`; null in other media
   std::shared_ptr<const Grid> albedo;   // 0..1
-  double scale = 1;                     // factor of sigma_t
-  glm::dmat4 world_to_box{1.0};         // world position -> unit cube of the grids
+  std::shared_ptr<const Grid> sigma_s;  // 1/m before `scale`; with sigma_a, instead of the two above
+  std::shared_ptr<const Grid> sigma_a;  // 1/m before `scale`
+  double scale = 1;                     // factor of sigma_t, or of sigma_s and sigma_a
+  glm::dmat4 world_to_box{1.0};         // world position -> unit cube of the grids, or units of the solid's pattern
 
-  bool heterogeneous() const { return sigma_t != nullptr; }
+  std::shared_ptr<const ProceduralSolid> solid;  // null in other media
+  std::shared_ptr<const Grid> depth;             // m below the surface; only where the solid is one of layers
+  glm::dmat4 world_to_depth{1.0};                // world position -> unit cube of `depth`
+
+  bool gridded() const { return sigma_t || sigma_s; }
+  bool heterogeneous() const { return gridded() || solid; }
+  /// Whether no channel differs from another anywhere.
+  bool grey() const;
   Coefficients at(glm::dvec3 world) const;
-  /// Largest sigma_t = sigma_s + sigma_a per channel over the whole medium, 1/m.
+  /// Largest sigma_t = sigma_s + sigma_a per channel over the whole medium, 1/m (for grids of sigma_s and sigma_a, the
+  /// sum of their largest).
   glm::dvec3 majorant() const;
+  /// m: width of the finest thing in it. Of grids the shortest edge of a voxel, twice that where interpolated; of
+  /// solids that of their finest lines; INFINITY where it is the same everywhere.
+  double feature_size() const;
 };
 
 enum class Role { translucent, opaque, emissive };
@@ -83,15 +100,16 @@ struct Camera {
 
 /// A light without a mesh (KHR_lights_punctual). It is nowhere seen itself, nor in mirroring surfaces; it lights what
 /// scatters. It has a small extent, so that paths find it behind a surface that bends light, where a point or a single
-/// direction is met with probability 0. A far surface that faces all of it gets exactly what the ideal light would send.
+/// direction is met with probability 0. A far surface that faces all of it gets exactly what the ideal light would
+/// send.
 struct PunctualLight {
   enum class Kind { point, spot, directional };
   std::string name;
   Kind kind = Kind::point;
-  glm::vec3 intensity{0};         // point, spot: W/sr, a spot's on its axis; directional: W/m^2 across its way
-  glm::vec3 position{0};          // m; point, spot
-  glm::vec3 direction{0, 0, -1};  // unit, where a spot or directional light shines
-  double inner_cone = 0;          // spot: radians off its axis up to which it is undiminished
+  glm::vec3 intensity{0};                  // point, spot: W/sr, a spot's on its axis; directional: W/m^2 across its way
+  glm::vec3 position{0};                   // m; point, spot
+  glm::vec3 direction{0, 0, -1};           // unit, where a spot or directional light shines
+  double inner_cone = 0;                   // spot: radians off its axis up to which it is undiminished
   double outer_cone = 0.7853981633974483;  // spot: and from which on it is dark
   // Point, spot: m, of the sphere whose every point shines alike; directional: radians, half the angle of the disc in
   // the sky. 0 is an ideal light, which the path tracer refuses where a surface bends its light.

@@ -9,6 +9,7 @@
 
 #include "image/picture.h"
 #include "scene/files.h"
+#include "scene/procedural.h"
 #include "scene/vol.h"
 
 namespace alabaster {
@@ -164,19 +165,46 @@ class Writer {
               {"sigma_s", triple(medium.homogeneous.sigma_s)},
               {"sigma_a", triple(medium.homogeneous.sigma_a)},
               {"g", medium.g}};
+    if (medium.solid) return solid(medium);
     glm::dmat4 box = glm::inverse(medium.world_to_box);
     glm::dvec3 low(box[3]), size(box[0][0], box[1][1], box[2][2]);
     for (int column = 0; column < 3; ++column)
       for (int row = 0; row < 3; ++row)
         if (row == column ? box[column][row] <= 0 : box[column][row] != 0)
           throw std::invalid_argument("the box of a grid medium is not along the axes");
-    return {{"type", "grid"},
-            {"g", medium.g},
-            {"bbox_min", triple(low)},
-            {"bbox_max", triple(low + size)},
-            {"filter", medium.sigma_t->trilinear ? "trilinear" : "nearest"},
-            {"sigma_t", {{"vol", vol(medium.sigma_t)}, {"scale", medium.scale}}},
-            {"albedo", {{"vol", vol(medium.albedo)}}}};
+    const bool trilinear = (medium.sigma_t ? medium.sigma_t : medium.sigma_s)->trilinear;
+    json out = {{"type", "grid"},
+                {"g", medium.g},
+                {"bbox_min", triple(low)},
+                {"bbox_max", triple(low + size)},
+                {"filter", trilinear ? "trilinear" : "nearest"}};
+    if (medium.sigma_t) {
+      out["sigma_t"] = {{"vol", vol(medium.sigma_t)}, {"scale", medium.scale}};
+      out["albedo"] = {{"vol", vol(medium.albedo)}};
+    } else {
+      out["sigma_s"] = {{"vol", vol(medium.sigma_s)}};
+      out["sigma_a"] = {{"vol", vol(medium.sigma_a)}};
+      out["scale"] = medium.scale;
+    }
+    return out;
+  }
+
+  static json solid(const Medium& medium) {
+    const ProceduralSolid& solid = *medium.solid;
+    const glm::dmat4 frame = glm::inverse(medium.world_to_box);
+    const double size = frame[0][0];
+    for (int column = 0; column < 3; ++column)
+      for (int row = 0; row < 3; ++row)
+        if (std::abs(frame[column][row] - (row == column ? size : 0)) > 1e-9 * size)
+          throw std::invalid_argument("the frame of a procedural solid is turned or stretched");
+    json parts = json::array();
+    for (int i = 0; i < parts_of(solid.kind); ++i)
+      parts.push_back({{"sigma_s", triple(solid.parts[i].sigma_s)}, {"sigma_a", triple(solid.parts[i].sigma_a)}});
+    json out = {{"type", "procedural"}, {"name", solid_names[solid.kind]}, {"g", medium.g},
+                {"seed", solid.seed},   {"turbulence", solid.turbulence},  {"sharpness", solid.sharpness},
+                {"parts", parts},       {"origin", triple(frame[3])},      {"size", size}};
+    if (solid.kind == solid_skin) out["depths"] = {solid.depths.x, solid.depths.y};
+    return out;
   }
 
   /// The name of the .vol file that holds `grid`, written on first use.

@@ -226,6 +226,78 @@ TEST(LoadScene, OneNumberIsGreyAndGridsMayBeNumbers) {
   EXPECT_NEAR(scene.objects[1].medium.at({0.1, 0.02, 0}).sigma_s.b, 700, 1e-3);
 }
 
+TEST(LoadScene, SpecularChoosesTheIndexThatMirrorsAsMuch) {
+  const auto eta = [](const json& specular, double ior) {
+    return reloaded([&](Glb& glb) {
+             json& extensions = glb.root["materials"][test::ball]["extensions"];
+             extensions["KHR_materials_ior"] = {{"ior", ior}};
+             extensions["KHR_materials_specular"] = specular;
+           })
+        .objects[0]
+        .eta;
+  };
+  EXPECT_EQ(eta(json::object(), 1.5), 1.5);
+  EXPECT_NEAR(eta({{"specularFactor", 0}}, 1.5), 1, 1e-12);
+  const double f0 = 0.04, half = eta({{"specularFactor", 0.5}}, 1.5);
+  EXPECT_NEAR(std::pow((half - 1) / (half + 1), 2), 0.5 * f0, 1e-12);
+  const double brighter = eta({{"specularFactor", 0.5}, {"specularColorFactor", {3, 3, 3}}}, 1.5);
+  EXPECT_NEAR(std::pow((brighter - 1) / (brighter + 1), 2), 1.5 * f0, 1e-12);
+  EXPECT_THROW(eta({{"specularFactor", 2}}, 1.5), UserError);
+  EXPECT_THROW(eta({{"specularColorFactor", {900, 900, 900}}}, 1.5), UserError);
+}
+
+TEST(LoadScene, EmissiveStrengthMultipliesTheFactor) {
+  const Scene scene = reloaded([](Glb& glb) {
+    json& material = glb.root["materials"][test::lamp];
+    material["emissiveFactor"] = {1, 0.5, 0.25};
+    material["extensions"]["KHR_materials_emissive_strength"] = {{"emissiveStrength", 12}};
+  });
+  EXPECT_EQ(scene.objects[test::lamp].radiance, glm::vec3(12, 6, 3));
+}
+
+TEST(LoadScene, VolumeWithoutItsDefaultsIsRefusedOrClear) {
+  const auto volume = [](const json& fields) {
+    return reloaded([&](Glb& glb) {
+             json& material = glb.root["materials"][test::ball];
+             material.erase("extras");
+             material["extensions"]["KHR_materials_scatter"] = {{"multiscatterColor", {0.5, 0.5, 0.5}}};
+             material["extensions"]["KHR_materials_volume"] = fields;
+           })
+        .objects[0]
+        .medium;
+  };
+  const Medium medium = volume({{"attenuationColor", {0.5, 0.25, 0.125}}, {"attenuationDistance", 0.01}});
+  const glm::dvec3 sigma_t = medium.homogeneous.sigma_s + medium.homogeneous.sigma_a;
+  for (int c = 0; c < 3; ++c) EXPECT_NEAR(std::exp(-0.01 * sigma_t[c]), std::pow(0.5, c + 1), 1e-12);
+  EXPECT_THROW(volume(json::object()), UserError);  // the default distance is infinite: nothing would scatter
+  EXPECT_THROW(volume({{"attenuationDistance", 0.01}}), UserError);  // and the default colour is white
+}
+
+TEST(LoadScene, SizeScalesEverythingButTheCoefficients) {
+  const auto sized = [](double size) {
+    return reloaded([&](Glb& glb) {
+      glb.root["extensions"]["KHR_lights_punctual"]["lights"] =
+          json::array({{{"type", "point"}, {"intensity", 2}, {"extras", {{"radius", 0.01}}}}});
+      glb.root["nodes"].push_back(
+          {{"name", "bulb"}, {"translation", {0, 0.5, 0}}, {"extensions", {{"KHR_lights_punctual", {{"light", 0}}}}}});
+      glb.root["scenes"][0]["nodes"].push_back(glb.root["nodes"].size() - 1);
+      if (size != 0) glb.root["scenes"][0]["extras"]["size"] = size;
+    });
+  };
+  const Scene plain = sized(0), scene = sized(1);  // 0.1 m before: the ball
+  EXPECT_NEAR(bounds_of(scene.objects[test::ball].mesh).size().y, 1, 1e-6);
+  EXPECT_NEAR(bounds_of(scene.objects[test::lamp].mesh).centre().y, 3, 1e-5);
+  EXPECT_NEAR(scene.cameras[0].to_world[3].z, 4, 1e-5);
+  EXPECT_EQ(scene.objects[test::ball].medium.homogeneous.sigma_s.r, 1000);
+  const glm::dvec3 p(0.1, 0.02, 0.013);
+  EXPECT_LT(glm::distance(glm::dvec3(scene.objects[test::marble].medium.world_to_box * glm::dvec4(10.0 * p, 1)),
+                          glm::dvec3(plain.objects[test::marble].medium.world_to_box * glm::dvec4(p, 1))),
+            1e-6);
+  EXPECT_NEAR(scene.lights[0].intensity.r, 200, 1e-3);  // as much light at ten times the distance
+  EXPECT_NEAR(scene.lights[0].radius, 0.1, 1e-6);
+  EXPECT_THROW(sized(-1), UserError);
+}
+
 TEST(LoadScene, SaysWhatItIgnores) {
   Scene scene = reloaded([](Glb& glb) {
     glb.root["cameras"].push_back(
