@@ -167,6 +167,7 @@ RenderResult render_scene(gpu::Context& context, const Scene& scene, const Plan&
     {
       Stage stage(result, "medium");
       medium = sample_medium(context, body.domain, field_of(object.medium), plan.channels);
+      for (const std::string& warning : medium.warnings) result.warnings.push_back(object.name + ": " + warning);
     }
     {
       Stage stage(result, "solver set-up");

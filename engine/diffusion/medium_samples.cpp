@@ -3,6 +3,7 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <atomic>
 #include <bit>
 #include <mutex>
 
@@ -30,6 +31,8 @@ int samples_an_axis(double feature, double h) {
 namespace {
 
 constexpr double least_distance = 0.05;  // of an unknown from a face or the surface, in h: as in cut.glsl
+
+constexpr double least_thickness = 1.6, least_layer = 3;  // h: below both, plate and diffusion length, the grid shows
 
 /// m^3 points of the unit cube, one in each of m^3 boxes; seen along any axis, no two at the same place. So a layer
 /// across an axis gets its share to 1 / m^3, and none hides between the points unless it is thinner than 1 / m.
@@ -100,6 +103,7 @@ class Averaging {
         h_(frame_.h),
         most_kappa_(100 * h_ * std::max({n_.x, n_.y, n_.z})),
         field_(field),
+        summary_(domain.summary),
         pattern_(samples_an_axis(field.feature, h_)),
         volume_(gpu::download<float>(context, domain.volume)),
         cut_index_(gpu::download<std::uint32_t>(context, domain.cut_index)),
@@ -125,6 +129,7 @@ class Averaging {
       const std::lock_guard lock(guard_);
       out_.kappa_scale = glm::max(out_.kappa_scale, largest);
     });
+    judge();
     for (int c = 0; c < channels; ++c) scale(c, static_cast<float>(1 / out_.kappa_scale[c]));
     return std::move(out_);
   }
@@ -164,8 +169,23 @@ class Averaging {
         if (cut_index_[i] == 0) continue;
         FacetMedium& facet = out_.facets[cut_index_[i]];
         facet = facet_medium(corner, cut);
+        for (int c = 0; c < out_.channels; ++c)
+          if (mean.sigma_a[c] * least_layer * h_ * least_layer * h_ > facet.kappa[c]) {
+            ++dark_cells_;
+            break;
+          }
         *largest = glm::max(*largest, glm::dvec3(facet.kappa));
       }
+  }
+
+  /// Where one unknown stands for both sheets of a plate it cannot follow the bend of phi between them.
+  void judge() {
+    const double thickness = 2 * summary_.volume / summary_.area / h_,  // of a plate
+        share = double(dark_cells_) / double(std::max<std::size_t>(1, cut_cells_.size() - 1));
+    if (thickness > least_thickness || share < 0.02) return;
+    out_.warnings.push_back("it is about a cell thick and absorbs within " + std::to_string(int(least_layer)) +
+                            " cells (" + std::to_string(int(std::lround(100 * share))) +
+                            " % of its surface): stripes of the grid show; use a finer --grid");
   }
 
   /// Behind both sheets where the surface bends back, else behind the one.
@@ -391,12 +411,14 @@ class Averaging {
   const glm::ivec3 n_;
   const double h_, most_kappa_;  // m
   const MediumField& field_;
+  const DomainSummary summary_;
   const Pattern pattern_;
   const std::vector<float> volume_;
   const std::vector<std::uint32_t> cut_index_;
   const std::vector<GpuCutCell> cut_cells_;
   MediumSamples out_;
   std::mutex guard_;
+  std::atomic<std::size_t> dark_cells_ = 0;  // cut cells with a diffusion length below least_layer
 };
 
 }  // namespace

@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <functional>
+#include <string>
 #include <type_traits>
 #include <vector>
 
@@ -32,8 +33,9 @@ struct MediumField {
 /// Its feature is Medium::feature_size().
 MediumField field_of(const Medium& medium);
 
-/// Cells are sub-sampled so that a feature is met twice along each axis, but at most this often: features down to a quarter
-/// of a cell keep what they absorb and how they conduct. Once, at the centroid, where they are two cells wide or more.
+/// Cells are sub-sampled so that a feature is met twice along each axis, but at most this often: features down to a
+/// quarter of a cell keep what they absorb and how they conduct. Once, at the centroid, where they are two cells wide
+/// or more.
 inline constexpr int most_samples_an_axis = 4;
 int samples_an_axis(double feature, double h);
 
@@ -44,10 +46,11 @@ struct MediumSamples {
   /// kappa / kappa_scale between the unknowns on the two sides of a cell's low x, y and z face: in series along the
   /// axis, in parallel across it. DIFFUSION_FINEST_ENTRIES a cell, the last unused.
   std::vector<float> kappa;
-  std::vector<float> absorption;    // sigma_a h^2 / kappa_scale, mean over the volume
-  std::vector<float> cell_kappa;    // kappa / kappa_scale of the mean extinction: what a beam meets in the cell
-  std::vector<FacetMedium> facets;  // by index of cut cell, of the layer between surface and unknown; entry 0 unused
-  glm::dvec3 kappa_scale{1};        // m: the channel's largest kappa
+  std::vector<float> absorption;      // sigma_a h^2 / kappa_scale, mean over the volume
+  std::vector<float> cell_kappa;      // kappa / kappa_scale of the mean extinction: what a beam meets in the cell
+  std::vector<FacetMedium> facets;    // by index of cut cell, of the layer between surface and unknown; entry 0 unused
+  glm::dvec3 kappa_scale{1};          // m: the channel's largest kappa
+  std::vector<std::string> warnings;  // one line each, with the remedy
 };
 
 /// kappa = 1 / (3 (sigma_s' + sigma_a)), bounded to 100 times the grid's longest side: a medium clearer than that is
