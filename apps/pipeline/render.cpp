@@ -31,7 +31,7 @@ struct Body {
   std::size_t object = 0;
   Domain domain;
   std::unique_ptr<Diffusion> diffusion;
-  std::unique_ptr<FacetSource> source;             // of these, the transport's
+  std::unique_ptr<FacetSource> source;  // of these, the transport's
   std::unique_ptr<DirectionalSource> directional;
   std::unique_ptr<BeamSource> beam;
   std::unique_ptr<GatherExit> gather;
@@ -69,8 +69,8 @@ FacetLight record_light(gpu::Commands& commands, const Lighting& lighting, const
   return FacetLight(body.source->gamma_s(), 2);
 }
 
-/// From the diffuse field's balance to all light's. The near light's boundary source feeds the field, carried on to the surface,
-/// what that absorbs too much (shared/beam.h): it is in both sums and taken out of both.
+/// From the diffuse field's balance to all light's. The near light's boundary source feeds the field, carried on to the
+/// surface, what that absorbs too much (shared/beam.h): it is in both sums and taken out of both.
 void add_beams(const BeamTotals& beams, EnergyBalance& energy) {
   const glm::dvec3 too_much = energy.in - (beams.near + beams.in_cells);
   energy.in = beams.entered;
@@ -105,7 +105,8 @@ void keep_components(const std::set<Component>& wanted, Picture& picture) {
   for (Component component : {Component::multiple, Component::surface}) {
     if (wanted.count(component)) continue;
     for (const char* channel : {"R", "G", "B"}) {
-      std::vector<float>&layer = picture.plane(std::string(name_of(component)) + "." + channel), &sum = picture.plane(channel);
+      std::vector<float>&layer = picture.plane(std::string(name_of(component)) + "." + channel),
+      &sum = picture.plane(channel);
       for (std::size_t i = 0; i < sum.size(); ++i) sum[i] -= layer[i];
       std::fill(layer.begin(), layer.end(), 0.0f);
     }

@@ -13,7 +13,8 @@ glm::dvec3 beam_unit(const LightSamples& lights, const GridFrame& frame) {
   for (const LightSample& light : lights.area) {
     const glm::dvec3 at = light.position;
     const double distance = glm::length(glm::max(glm::max(low - at, at - high), glm::dvec3(0)));
-    most = glm::max(most, glm::dvec3(light.intensity) / std::max(distance * distance, h * h));
+    const double distance2 = light.kind == light_directional ? 1 : std::max(distance * distance, h * h);
+    most = glm::max(most, glm::dvec3(light.intensity) / distance2);
   }
   return most * (4 * h * h / BEAM_MOST_UNITS);  // a facet is seldom larger than 2 h^2
 }

@@ -30,8 +30,8 @@ class BeamSource {
   /// Fills what is below. The shadow maps of `lighting` must have been recorded before. Stage "beams".
   void record(gpu::Commands& commands, const Lighting& lighting, const BeamMedium& medium, double eta);
 
-  // W/m^2, two vec3 an entry of Domain::cut_cells: source of the boundary condition, Gamma of the render query, all that
-  // enters; and two vec4 with what is scattered near the facet and its mean cosine with the normal.
+  // W/m^2, two vec3 an entry of Domain::cut_cells: source of the boundary condition, Gamma of the render query, all
+  // that enters; and two vec4 with what is scattered near the facet and its mean cosine with the normal.
   const gpu::Buffer& gamma_s() const { return gamma_s_; }
   const gpu::Buffer& query_gamma() const { return query_gamma_; }
   const gpu::Buffer& entered() const { return entered_; }

@@ -17,8 +17,8 @@ class DirectionalSource {
  public:
   DirectionalSource(gpu::Context& context, const Domain& domain);
 
-  /// Fills the buffers below. `media` holds a FacetMedium (shared/diffusion.h) a cut cell. The shadow maps of `lighting`
-  /// must have been recorded before. Stage "entry".
+  /// Fills the buffers below. `media` holds a FacetMedium (shared/diffusion.h) a cut cell. The shadow maps of
+  /// `lighting` must have been recorded before. Stage "entry".
   void record(gpu::Commands& commands, const Lighting& lighting, const gpu::Buffer& media, double eta) const;
 
   // W/m^2, two vec3 an entry of Domain::cut_cells: source of the boundary condition, Gamma of the render query, and all

@@ -13,9 +13,9 @@
 
 namespace alabaster {
 
-// How light enters and leaves. report: on the surface, diffusely, and leaves by Eq. 14 divided by eta^2; as_printed: without
-// that division; directional: by the refracted direction of each light sample; beam: where its refracted beam deposits it;
-// gather: as beam, and leaves by a gather along the refracted view ray.
+// How light enters and leaves. report: on the surface, diffusely, and leaves by Eq. 14 divided by eta^2; as_printed:
+// without that division; directional: by the refracted direction of each light sample; beam: where its refracted beam
+// deposits it; gather: as beam, and leaves by a gather along the refracted view ray.
 enum class Transport { report, as_printed, directional, beam, gather };
 /// All names of transports, in the enum's order.
 inline constexpr const char* transport_names[] = {"report", "as-printed", "directional", "beam", "gather"};

@@ -79,7 +79,7 @@ void GatherExit::record(gpu::Commands& commands) const {
   record_spread(commands, beam_.near(), near_);
   gpu::Bindings bindings = ray_bindings();
   bindings.push_back({"levels", levels_});
-  commands.dispatch(level_pass_, {2 * push_.count, 1, 1}, bindings, push_);
+  commands.dispatch(level_pass_, {push_.count, 1, 1}, bindings, push_);
   record_spread(commands, levels_, level_);
 }
 

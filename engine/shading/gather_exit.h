@@ -1,5 +1,6 @@
-// The exit of `--transport gather`: radiance gathered along the refracted view ray, its level on each facet set by the flux that
-// the diffusion equation sends out there. So the diffusion equation keeps the energy, and the gather says in which direction.
+// The exit of `--transport gather`: radiance gathered along the refracted view ray, its level on each facet set by the
+// flux that the diffusion equation sends out there. So the diffusion equation keeps the energy, and the gather says in
+// which direction.
 #pragma once
 
 #include "diffusion/diffusion.h"
@@ -10,7 +11,8 @@ namespace alabaster {
 
 class GatherExit {
  public:
-  GatherExit(gpu::Context& context, const Domain& domain, const Diffusion& diffusion, const BeamSource& beam, double eta);
+  GatherExit(gpu::Context& context, const Domain& domain, const Diffusion& diffusion, const BeamSource& beam,
+             double eta);
 
   /// After the solve: densities and levels (stage "gather levels").
   void record(gpu::Commands& commands) const;

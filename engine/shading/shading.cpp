@@ -249,7 +249,8 @@ ShadedPicture Shading::shade(const Input& input) const {
     const auto gathered_timer = commands.time("gathered");
     if (!gathered_) gathered_ = std::make_unique<gpu::Pass>(context_, "shading/gathered.comp");
     bindings = surface.gather->picture_bindings();
-    for (const char* name : {"visible", "positions", "triangles", "multiple", "surface", "fluence", "gamma_s", "normals"})
+    for (const char* name :
+         {"visible", "positions", "triangles", "multiple", "surface", "fluence", "gamma_s", "normals"})
       bindings.push_back(*std::find_if(shared.begin(), shared.end(),
                                        [&](const gpu::Binding& b) { return std::string(name) == b.name; }));
     commands.dispatch(*gathered_, {rectangle.high - rectangle.low, 1}, bindings, push);

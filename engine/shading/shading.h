@@ -20,10 +20,10 @@ struct TranslucentSurface {
   // 3D rgba, sampled trilinearly, rgb in W/m^2, for the two sides of a thin part (domain/facet_class.glsl); the same
   // image twice where that does not matter.
   const gpu::Image* fluence[2] = {nullptr, nullptr};  // phi on the surface
-  // Gamma_s of the cells' facets. Not of the pixel: phi knows no light finer than a cell, and the pixel's Gamma_s came out
-  // no closer to the path tracer on any grid tried.
+  // Gamma_s of the cells' facets. Not of the pixel: phi knows no light finer than a cell, and the pixel's Gamma_s came
+  // out no closer to the path tracer on any grid tried.
   const gpu::Image* gamma_s[2] = {nullptr, nullptr};
-  GridFrame frame;  // of all; texel (i, j, k) is at origin + h (i + 0.5, ...)
+  GridFrame frame;                     // of all; texel (i, j, k) is at origin + h (i + 0.5, ...)
   const GatherExit* gather = nullptr;  // where set, light leaves by it and not by the query
 };
 

@@ -30,11 +30,15 @@ vec4 level_of(uint index, int s) {
   gathered /= weights;
   const vec3 wanted = bracket_at(from, (facet_class(normal) & 1) == 1);
   vec4 level = vec4(1);
-  for (int c = 0; c < 3; ++c) level[c] = gathered[c] > 0 ? min(wanted[c] / gathered[c], 4) : 1;
+  for (int c = 0; c < 3; ++c) level[c] = gathered[c] > 0 ? clamp(wanted[c] / gathered[c], 0.5, 2) : 1;
   return level;
 }
 
 void main() {
-  const uint i = gl_GlobalInvocationID.x;
-  if (i < 2 * push.count) levels[i] = level_of(i / 2, int(i % 2));
+  const uint index = gl_GlobalInvocationID.x;
+  if (index >= push.count) return;
+  // Most cells have one side: the lanes of a CPU work together then.
+  const int first = index != 0 && cut_cells[index].side[0].area <= 0 ? 1 : 0;
+  levels[2 * index + first] = level_of(index, first);
+  levels[2 * index + 1 - first] = level_of(index, 1 - first);
 }

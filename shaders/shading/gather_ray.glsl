@@ -75,7 +75,8 @@ vec3 gather_along(vec3 from, vec3 normal, vec3 along) {
     vec3 far_normal;
     float end = cell_end(w);
     const float out_at = leaves_at(w, imageLoad(cut_index, w.cell).r, end, far_normal);
-    const bool leaves = out_at <= end;
+    // Near its start the ray is in the facet's plane but for the surface's bend: nothing leaves there.
+    const bool leaves = out_at <= end && out_at > 0.25;
     if (leaves) end = out_at;
     const float length_ = end - w.at;
     const vec3 depth = s.sigma_t * length_, lost = left * (1 - exp(-depth));

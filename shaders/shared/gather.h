@@ -9,7 +9,7 @@ ALABASTER_BEGIN_SHARED
 #define GATHER_RINGS 3
 #define GATHER_SECTORS 4
 // Optical depth at which a ray is deep enough.
-#define GATHER_DEEP 7.0
+#define GATHER_DEEP 5.0
 
 struct GatherGrid {
   ivec3 cells;

@@ -28,6 +28,9 @@ class GpuDiffusionSurface : public GpuTest {
     gpu::upload(context, body.diffusion().pcg().solution(), phi);
     scale_buffer = gpu::make_buffer(context, scales, "scales");
     gamma_buffer = gpu::make_buffer(context, gamma, "gamma_s");
+    std::vector<glm::vec3> query = gamma;
+    for (std::size_t k = 0; k < query.size(); ++k) query[k] *= 0.5f + 0.25f * float(k % 3);
+    query_buffer = gpu::make_buffer(context, query, "query");
   }
 
   SurfacePush push() const {
@@ -62,6 +65,8 @@ class GpuDiffusionSurface : public GpuTest {
     }
     return weights > 0 ? sum / weights : 0;
   }
+  /// The query's Gamma over that of the boundary condition.
+  double query_share(std::size_t i, int side) const { return 0.5 + 0.25 * double((sides == 2 ? 2 * i + side : i) % 3); }
   std::vector<glm::vec4> random_gradients() {
     std::uniform_real_distribution<float> uniform(-1, 1);
     std::vector<glm::vec4> g(cut.size() * channels);
@@ -102,7 +107,7 @@ class GpuDiffusionSurface : public GpuTest {
   std::vector<glm::vec3> gamma = std::vector<glm::vec3>(cut.size() * sides);
   std::vector<float> phi;
   std::vector<FluenceScale> scales;
-  gpu::Buffer scale_buffer, gamma_buffer;
+  gpu::Buffer scale_buffer, gamma_buffer, query_buffer;
 };
 
 void GpuDiffusionSurface::check_surface() {
@@ -120,7 +125,7 @@ void GpuDiffusionSurface::check_surface() {
                      {"volume", domain.volume},
                      {"phi", body.diffusion().pcg().solution()},
                      {"gamma_s", gamma_buffer},
-                     {"query_gamma", gamma_buffer},
+                     {"query_gamma", query_buffer},
                      {"facets", body.diffusion().facet_medium()},
                      {"phi_up", images[0]},
                      {"phi_down", images[1]},
@@ -158,7 +163,7 @@ void GpuDiffusionSurface::check_surface() {
         using Sides = std::array<Sums, 2>;
         const auto add = [&](Sides& sums, std::uint32_t i) {
           for (int which = 0; which < 2; ++which) {
-            sums[which].light += cut[i].side[which].area * gamma_of(i, which, c);
+            sums[which].light += cut[i].side[which].area * gamma_of(i, which, c) * query_share(i, which);
             sums[which].area += cut[i].side[which].area;
             sums[which].normal += glm::dvec3(cut[i].side[which].area_vector);
           }
@@ -430,7 +435,7 @@ TEST_F(GpuDiffusionSurface, EnergyEqualsTwin) {
                     {{"cut_index", domain.cut_index},
                      {"cut_cells", domain.cut_cells},
                      {"gamma_s", gamma_buffer},
-                     {"query_gamma", gamma_buffer},
+                     {"query_gamma", query_buffer},
                      {"facets", body.diffusion().facet_medium()},
                      {"scales", scale_buffer},
                      {"partials", pcg.partials()},
@@ -450,8 +455,11 @@ TEST_F(GpuDiffusionSurface, EnergyEqualsTwin) {
         const double light = gamma_of(i, side, c), boundary = dsbc_source(light, body.f_dt()), d = depth(i, side, c);
         // phi_b of phi_b + 2 A kappa (phi_b - phi) / d = q; the query's bracket is what leaves through F_dt / 4.
         const double surface = (2 * A * own + d * boundary) / (2 * A + d);
-        in += area * light;
-        out += area * body.f_dt() / 4 * query_bracket(surface, light, A, body.f_dt());
+        const double query = light * query_share(i, side);
+        // What the boundary condition lets in, and what the query lets out.
+        const double leaves = body.f_dt() / 4 * query_bracket(surface, query, A, body.f_dt());
+        in += area * ((boundary - surface) / (2 * A) + leaves);
+        out += area * leaves;
       }
     EXPECT_NEAR(got[c].in_, in, 1e-5 * in);
     EXPECT_NEAR(got[c].out_, out, 1e-4 * in);

@@ -25,14 +25,6 @@ class Furnace : public GpuTest {
     return test::furnace_figures(result.shaded.picture);
   }
 
-  void all(const Mesh& mesh) {
-    for (Transport t : {Transport::directional, Transport::beam, Transport::gather})
-      for (double eta : {1.0, 1.3, 1.5}) {
-        const test::FurnaceResult r = render(mesh, eta, t);
-        std::printf("%s eta %.1f: mean %.5f, worst pixel %.5f off\n", name_of(t), eta, r.mean, r.worst);
-      }
-  }
-
   void expect_exact(const Mesh& mesh) {
     for (double eta : {1.0, 1.3, 1.5}) {
       const test::FurnaceResult r = render(mesh, eta);
@@ -46,11 +38,38 @@ class Furnace : public GpuTest {
   }
 };
 
-TEST_F(Furnace, AllSphere) { all(icosphere(5)); }
-TEST_F(Furnace, AllBox) { all(transformed(box({1, 0.7f, 0.8f}), rotation({1, 2, 0.5}, 35))); }
 TEST_F(Furnace, Sphere) { expect_exact(icosphere(5)); }
 TEST_F(Furnace, Ellipsoid) { expect_exact(ellipsoid(5, {1, 0.6f, 0.8f})); }
 TEST_F(Furnace, Box) { expect_exact(transformed(box({1, 0.7f, 0.8f}), rotation({1, 2, 0.5}, 35))); }
+
+// Directional: exact as the report. Beams: the flux is exact and so is the mean over a sphere; pixels show how evenly
+// the beams are laid down. Gather: the mean is as exact as the quadrature of the facets' level; its worst pixel is at
+// the silhouette at eta 1.
+TEST_F(Furnace, TransportsOnASphere) {
+  struct Tolerance {
+    Transport transport;
+    double mean, worst;
+  };
+  for (const auto& [transport, mean_within, worst_within] :
+       {Tolerance{Transport::directional, 1e-3, 1e-2}, Tolerance{Transport::beam, 2e-3, 3e-2},
+        Tolerance{Transport::gather, 1e-2, 0.2}})
+    for (double eta : {1.0, 1.5}) {
+      const test::FurnaceResult r = render(icosphere(4), eta, transport);
+      std::printf("%s eta %.1f: mean %.5f, worst pixel %.5f off\n", name_of(transport), eta, r.mean, r.worst);
+      EXPECT_NEAR(r.mean, 1, mean_within) << name_of(transport) << " eta " << eta;
+      EXPECT_LE(r.worst, worst_within) << name_of(transport) << " eta " << eta;
+    }
+}
+
+TEST_F(Furnace, DirectionalOnABox) {
+  for (double eta : {1.0, 1.5}) {
+    const test::FurnaceResult r =
+        render(transformed(box({1, 0.7f, 0.8f}), rotation({1, 2, 0.5}, 35)), eta, Transport::directional);
+    std::printf("eta %.1f: mean %.5f, worst pixel %.5f off\n", eta, r.mean, r.worst);
+    EXPECT_NEAR(r.mean, 1, 1e-3);
+    EXPECT_LE(r.worst, 1e-2);
+  }
+}
 
 TEST_F(Furnace, AnisotropicScatteringAndLessDenseInside) {
   EXPECT_NEAR(render(icosphere(4), 1.3, Transport::report, 0.8).mean, 1, 1e-3);

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include "shared/beam.h"
+
 namespace alabaster {
 namespace {
 
@@ -85,6 +87,59 @@ TEST(Optics, SurfaceFluenceSolvesTheBoundaryCondition) {
   const double surface = dsbc_surface_fluence(phi, q, A, d_over_kappa);
   EXPECT_NEAR((q - surface) / (2 * A), (surface - phi) / d_over_kappa, 1e-12);
   EXPECT_NEAR((q - surface) / (2 * A), dsbc_conductance(A, d_over_kappa) * (q - phi), 1e-12);
+}
+
+TEST(Optics, DirectionalSourceKeepsEnergyAndHasItsLimits) {
+  for (double eta : {1.0, 1.3, 1.5}) {
+    const double f_dt = 1 - internal_diffuse_reflectance(eta), A = boundary_constant(1 - f_dt);
+    double diffuse = 0;
+    for (int i = 0; i < 1000; ++i) {
+      const double mu = (i + 0.5) / 1000;
+      // Nothing absorbed: what does not enter the boundary condition leaves, at every angle.
+      EXPECT_NEAR(directional_boundary(mu, 0.0, A, f_dt), 0.75 * f_dt * (mu + 2 * A / 3), 1e-14);
+      EXPECT_NEAR(directional_boundary(mu, 0.0, A, f_dt) + directional_exit(mu, 0.0, A, f_dt), 1, 1e-14);
+      EXPECT_NEAR(
+          entering_flux(directional_boundary(mu, 0.0, A, f_dt),
+                        directional_boundary(mu, 0.0, A, f_dt) - A * directional_exit(mu, 0.0, A, f_dt), A, f_dt),
+          1, 1e-12);
+      diffuse += 2 * mu * directional_boundary(mu, 0.0, A, f_dt) / 1000;
+      for (double absorbed : {1e-3, 0.1, 0.3, 1 / 3.0, 0.7, 1.0}) {  // no pole, nowhere more than 1.2 times
+        const double f = directional_boundary(mu, absorbed, A, f_dt), rho = directional_reflectance(mu, absorbed, A);
+        EXPECT_GE(f, 0);
+        EXPECT_LE(f, 1.2 * directional_boundary(mu, 0.0, A, f_dt) * (1 + 1e-12));
+        EXPECT_GE(rho, 0);
+        EXPECT_LE(rho, 1 - absorbed);
+        // The half space's phi on the surface is q / (1 + s): the query then sends rho back.
+        const double s = 2 * A * std::sqrt(3 * absorbed) / 3, c = directional_exit(mu, absorbed, A, f_dt);
+        const double back = f_dt / 4 * query_bracket(dsbc_source(f, f_dt) / (1 + s), f - A * c, A, f_dt);
+        EXPECT_NEAR(back, rho, 1e-12);
+      }
+    }
+    if (eta == 1) {
+      EXPECT_NEAR(diffuse, 1, 1e-5);  // the report's source, for diffuse light
+    }
+  }
+}
+
+// phi of a delta source at depth z, P1 with absorption, by shooting: below z as if 4 f / F_dt stood on the boundary.
+TEST(Optics, BuriedSourceDrivesWhatLiesBelow) {
+  const double A = 2.6, f_dt = 2 / (A + 1), kappa = 0.4, z = 0.7;
+  for (double per_length : {0.0, 0.5, 1.5}) {
+    const double sigma_a = kappa * per_length * per_length;
+    const int steps = 4000;
+    double phi = 2 * A * kappa, slope = 1;  // homogeneous: phi = 2 A kappa phi'
+    const auto advance = [&](double& p, double& g) {
+      const double h = z / steps, middle = g + 0.5 * h * sigma_a / kappa * p;
+      const double before = p;
+      p += h * middle;
+      g += h * sigma_a / kappa * (before + 0.5 * h * g);
+    };
+    for (int i = 0; i < steps; ++i) advance(phi, slope);
+    // Reciprocity: the response deep below to a unit source at z over that to a boundary value q is phi(z) / (kappa *
+    // 1).
+    const double q = phi / kappa;
+    EXPECT_NEAR(4 * buried_boundary(z, per_length, kappa, A, f_dt) / f_dt / q, 1, 1e-3) << per_length;
+  }
 }
 
 }  // namespace

@@ -1,0 +1,175 @@
+// lighting/beam_march.comp and beam_source.comp: what beams lay down is counted to the last unit, and on a ball in
+// parallel light it is what the closed form says. lighting/directional_source.comp: against the double-precision sum
+// over the samples.
+#include <cmath>
+
+#include "lighting/beam_source.h"
+#include "support/diffusion_device.h"
+#include "support/lit_scene.h"
+
+namespace alabaster {
+namespace {
+
+/// Parallel light along -z from far away.
+Object far_lamp(glm::vec3 radiance) {
+  return make_light(transformed(quad(2, 2), glm::dmat4(look_at({0, 0, 1000}, {0, 0, 0})) * rotation({1, 0, 0}, -90)),
+                    radiance);
+}
+
+class LightingBeams : public GpuTest {
+ protected:
+  struct Marched {
+    BeamTotals totals;
+    std::vector<float> power;  // W, x fastest, [channel][cell]
+    std::vector<glm::vec3> gamma_s, query_gamma, entered;
+    std::vector<glm::vec4> near;
+    glm::dvec3 unit{0};
+  };
+
+  Marched march(const Scene& scene, Body& body, int channels, double eta) {
+    const LitScene lit(context, scene, {1, 16, 512});
+    BeamSource beam(context, body.domain(), channels);
+    const Diffusion& d = body.diffusion();
+    gpu::Commands commands(context);
+    beam.record(commands, lit.lighting, {d.kappa(), d.absorption(), d.facet_medium(), d.kappa_scale(), channels}, eta);
+    commands.submit();
+    return {beam.totals(),
+            gpu::download<float>(context, beam.power()),
+            gpu::download<glm::vec3>(context, beam.gamma_s()),
+            gpu::download<glm::vec3>(context, beam.query_gamma()),
+            gpu::download<glm::vec3>(context, beam.entered()),
+            gpu::download<glm::vec4>(context, beam.near()),
+            beam_unit(lit.lighting.samples(), body.domain().frame)};
+  }
+
+  static Scene ball_scene(const Mesh& mesh, double eta, glm::vec3 radiance) {
+    Scene scene;
+    Object ball = make_object(Role::translucent, mesh);
+    ball.eta = eta;
+    scene.objects = {ball, far_lamp(radiance)};
+    return scene;
+  }
+};
+
+TEST_F(LightingBeams, NothingIsLostAndTheOrderDoesNotShow) {
+  const Mesh mesh = torus(1, 0.4f, 48, 24);  // beams leave it and mirror inside
+  Scene scene = ball_scene(mesh, 1.5, {3e6f, 2e6f, 1e6f});
+  scene.environment.radiance = {0.5f, 1, 2};
+  const MediumField layered = [](glm::dvec3 p) {
+    const glm::dvec3 dense = glm::dvec3(2, 6, 15) * (p.x > 0 ? 3.0 : 1.0);
+    return MediumPoint{0.9 * dense, 0.1 * dense};
+  };
+  Body body(context, mesh, 20, layered, 3, 1.5);
+  const Marched a = march(scene, body, 3, 1.5), b = march(scene, body, 3, 1.5);
+  const BeamTotals& t = a.totals;
+  const std::size_t cells = a.power.size() / 3;
+  for (int c = 0; c < 3; ++c) {
+    EXPECT_GT(t.near[c], 0);
+    EXPECT_GT(t.in_cells[c], 0);
+    EXPECT_GT(t.through[c], 0);
+    const double left = t.entered[c] - (t.near[c] + t.in_cells[c] + t.absorbed[c] + t.through[c]);
+    EXPECT_LT(std::abs(left), 0.5 * a.unit[c]);
+    EXPECT_NEAR(t.absorbed[c] / (t.absorbed[c] + t.near[c] + t.in_cells[c]), 0.1, 1e-4);
+    double laid = 0, near = 0, entered = 0;
+    for (std::size_t i = 0; i < cells; ++i) laid += a.power[c * cells + i];
+    const double h = body.domain().frame.h;
+    for (std::size_t i = 2; i < a.near.size(); ++i) {
+      const double area = body.cut_cells()[i / 2].side[i % 2].area * h * h;
+      near += area * a.near[i][c], entered += area * a.entered[i][c];
+    }
+    EXPECT_NEAR(laid / t.in_cells[c], 1, 1e-5);
+    EXPECT_NEAR(near / t.near[c], 1, 1e-5);
+    EXPECT_NEAR(entered / t.entered[c], 1, 1e-4);
+    EXPECT_EQ(t.entered[c], b.totals.entered[c]);
+    EXPECT_EQ(t.through[c], b.totals.through[c]);
+  }
+  EXPECT_EQ(a.power, b.power);
+}
+
+// Chords of a ball in parallel light, eta 1: what goes through is 2 (1 - (1 + x) e^-x) / x^2 with x = 2 R sigma_t.
+TEST_F(LightingBeams, ThroughABall) {
+  const Mesh mesh = icosphere(4);
+  for (double sigma : {0.5, 2.0, 8.0}) {
+    const MediumPoint point{glm::dvec3(0.8 * sigma), glm::dvec3(0.2 * sigma)};
+    Body body(
+        context, mesh, 32, [=](glm::dvec3) { return point; }, 1, 1.0);
+    const Marched m = march(ball_scene(mesh, 1.0, glm::vec3(1e6f)), body, 1, 1.0);
+    const double x = 2 * sigma, exact = 2 * (1 - (1 + x) * std::exp(-x)) / (x * x);
+    const double found = m.totals.through.r / m.totals.entered.r;
+    std::printf("sigma %.1f: through %.4f, exact %.4f, near %.3f\n", sigma, found, exact,
+                m.totals.near.r / m.totals.entered.r);
+    EXPECT_NEAR(found, exact, 1e-3);
+    const double irradiance_mean = m.totals.entered.r / M_PI;  // W/m^2 on the disc of radius 1
+    EXPECT_NEAR(irradiance_mean / (1e6 * 4 / 1e6), 1, 0.01);
+  }
+}
+
+// Mean z of what a slab's cells receive and of the near light: 1 / sigma_t below the surface, on every grid.
+TEST_F(LightingBeams, MeanDepthDoesNotDependOnTheGrid) {
+  const Mesh mesh = transformed(box({2, 2, 1}, 8), rotation({1, 2, 3}, 0));
+  const double sigma = 8;  // 8 mean free paths deep
+  const MediumPoint point{glm::dvec3(sigma), glm::dvec3(0)};
+  for (int cells : {10, 18, 32}) {
+    Body body(
+        context, mesh, cells, [=](glm::dvec3) { return point; }, 1, 1.0);
+    const Marched m = march(ball_scene(mesh, 1.0, glm::vec3(1e6f)), body, 1, 1.0);
+    const GridFrame& f = body.domain().frame;
+    const std::vector<std::uint32_t> index = gpu::download<std::uint32_t>(context, body.domain().cut_index);
+    // phi far below is s (z / kappa + 2 A): near light has it as its boundary value, the cells by their centroids'
+    // depth.
+    const double kappa = 1 / (3 * sigma), A = boundary_constant(internal_diffuse_reflectance(1.0));
+    double drive = 0;
+    for (std::size_t i = 0; i < index.size(); ++i) {
+      const int z = int(i / (std::size_t(f.cells.x) * f.cells.y));
+      const double depth = 0.5 - (f.origin.z + f.h * (float(z) + body.cut_cells()[index[i]].centre.z));
+      drive += m.power[i] * (depth / kappa + 2 * A);
+    }
+    for (std::size_t i = 2; i < m.gamma_s.size(); ++i)
+      drive += 4 * m.gamma_s[i].r * body.cut_cells()[i / 2].side[i % 2].area * f.h * f.h;
+    const double exact = m.totals.entered.r * (1 / (sigma * kappa) + 2 * A);
+    std::printf("%d cells, %.2f a mean free path: %.4f of exact\n", cells, 1 / (sigma * f.h), drive / exact);
+    EXPECT_NEAR(drive / exact, 1, 0.015);
+  }
+}
+
+TEST_F(LightingBeams, DirectionalSourceEqualsItsSum) {
+  const Mesh mesh = icosphere(3);
+  const double eta = 1.4;
+  Scene scene = ball_scene(mesh, eta, {1e6f, 2e6f, 3e6f});
+  const MediumPoint point{{9, 8, 6}, {0, 0.5, 3}};
+  Body body(
+      context, mesh, 16, [=](glm::dvec3) { return point; }, 3, eta);
+  const LitScene lit(context, scene, {1, 0, 512});
+  const DirectionalSource source(context, body.domain());
+  gpu::Commands commands(context);
+  source.record(commands, lit.lighting, body.diffusion().facet_medium(), eta);
+  commands.submit();
+  const auto gamma = gpu::download<glm::vec3>(context, source.gamma_s());
+  const auto query = gpu::download<glm::vec3>(context, source.query_gamma());
+  const double f_dr = internal_diffuse_reflectance(eta), A = boundary_constant(f_dr);
+  const LightSample& lamp = lit.lighting.samples().area.at(0);
+  const GridFrame& frame = body.domain().frame;
+  int lit_sides = 0;
+  for (std::size_t i = 2; i < gamma.size(); ++i) {
+    const GpuFacet& side = body.cut_cells()[i / 2].side[i % 2];
+    if (side.area < 0.01) continue;
+    const glm::vec3 middle = frame.origin + frame.h * (glm::vec3(body.cut_cells()[i / 2].cell) + side.centre);
+    const glm::dvec3 way(lamp.position - middle), towards = glm::normalize(way);
+    const double cosine = glm::dot(glm::normalize(glm::dvec3(side.area_vector)), towards);
+    if (cosine < 0.3) continue;
+    ++lit_sides;
+    const double mu = refracted_cosine(cosine, eta), sent = -glm::dot(glm::dvec3(lamp.normal), towards);
+    const double entered = lamp.intensity.r * point_transfer(cosine, sent, glm::dot(way, way), eta);
+    for (int c = 0; c < 3; ++c) {
+      const double absorbed = point.sigma_a[c] / (point.sigma_a[c] + point.sigma_s_reduced[c]), E = entered * (c + 1);
+      const double f = directional_boundary(mu, absorbed, A, 1 - f_dr),
+                   leaving = directional_exit(mu, absorbed, A, 1 - f_dr);
+      EXPECT_NEAR(gamma[i][c], f * E, 1e-3 * E);
+      EXPECT_NEAR(query[i][c], (f - A * leaving) * E, 4e-3 * E);
+    }
+  }
+  EXPECT_GT(lit_sides, 50);
+}
+
+}  // namespace
+}  // namespace alabaster
