@@ -33,9 +33,8 @@ struct Frame {
 };
 
 struct ShadedPicture {
-  /// R, G, B = multiple + surface. multiple.*: light from inside; surface.*: opaque and emissive objects, background,
-  /// and on translucent objects the constant environment mirrored by Fresnel (unoccluded; area lights are not
-  /// mirrored). fluence.*, gamma_s.*: W/m^2, mean over the pixel's translucent part, 0 without one. N.X, N.Y, N.Z: unit
+  /// R, G, B = multiple + surface. multiple.*: light from inside, of the object itself or of one that it mirrors;
+  /// surface.*: opaque and emissive objects, background, and what of them translucent objects mirror. fluence.*, gamma_s.*: W/m^2, mean over the pixel's translucent part, 0 without one. N.X, N.Y, N.Z: unit
   /// world normal, and Z: distance from the eye in metres, both means over what the pixel sees, 0 where it sees
   /// nothing. object.Y: share of the pixel that is translucent.
   Picture picture;
@@ -43,9 +42,12 @@ struct ShadedPicture {
   double negative_share = 0;        // of the pixels that see translucent objects
 };
 
+class Reflection;
+
 class Shading {
  public:
   explicit Shading(gpu::Context& context);
+  ~Shading();
 
   struct Input {
     const Scene& scene;
@@ -55,8 +57,9 @@ class Shading {
     Camera camera;
     Frame frame;
     Exit exit = Exit::report;
+    int rough_rays = 4;  // mirrored rays a sample of the picture where a surface is rough, and as many towards lights
   };
-  /// Draws the picture (stages "visibility", "plain", "translucent") and fetches it. Throws UserError for a frame that
+  /// Draws the picture (stages "visibility", "plain", "translucent", "glow", "reflection") and fetches it. Throws UserError for a frame that
   /// makes no sense.
   ShadedPicture shade(const Input& input) const;
 
@@ -66,6 +69,7 @@ class Shading {
   gpu::RasterPass visibility_;
   gpu::Pass plain_, translucent_;
   mutable std::unique_ptr<gpu::Pass> gathered_;  // made when first wanted
+  std::unique_ptr<Reflection> reflection_;
 };
 
 }  // namespace alabaster

@@ -1,0 +1,72 @@
+// Adds what one translucent object mirrors: rays through each sample of the picture, one where the surface is smooth, and
+// where it is rough `push.rays` mirrored ones and as many towards the lights, weighted by the balance heuristic (E. Veach,
+// L. Guibas, "Optimally Combining Sampling Techniques for Monte Carlo Rendering", 1995). What goes into the object that a
+// ray meets and comes out again belongs to `multiple`, all else to `surface`.
+#version 460
+#extension GL_EXT_scalar_block_layout : require
+#extension GL_GOOGLE_include_directive : require
+#include "lighting/gather.glsl"
+#include "lighting/ray_tree.glsl"
+#include "visible.glsl"
+#include "reflection.glsl"
+layout(local_size_x = 8, local_size_y = 8) in;
+layout(push_constant, scalar) uniform Push { ReflectionPush push; };
+
+void main() {
+  const uvec2 pixel = push.corner + gl_GlobalInvocationID.xy;
+  if (any(greaterThanEqual(pixel, push.camera.size))) return;
+  const uint samples = push.camera.edge * push.camera.edge;
+  uint todo = 0;
+  for (uint s = 0; s < samples; ++s)
+    if (sample_id(push.camera, pixel, s) - 1 - push.first < push.count) todo |= 1u << s;
+  if (todo == 0) return;
+
+  const MirroredObject object = objects[push.object];
+  const vec3 turn = turn_of(pixel);
+  Mirrored sum = Mirrored(vec3(0), vec3(0));
+  while (todo != 0) {
+    const uint s = uint(findLSB(todo));
+    todo &= todo - 1;
+    const Hit hit = sample_hit(push.camera, pixel, s);
+    const Frame frame = frame_of(hit.normal);
+    const vec3 o = into(frame, hit.to_eye);
+    if (o.z <= 0) {  // edge-on, by the raster's rounding: it mirrors all, and nothing bends
+      sum.surface += environment_radiance(-hit.to_eye);
+      continue;
+    }
+    const float reflectance = fresnel_reflectance(o.z, object.eta);
+    if (object.alpha == 0) {
+      const vec3 towards = -reflect(hit.to_eye, hit.normal);
+      sum = add(sum, follow(hit.position, towards, reflectance, 0, push.orders, turn), 1);
+      continue;
+    }
+    // The environment's mean is mirrored in closed form; the rays bring what differs from it.
+    const RoughView view = rough_view_of(push.object, o.z, object.eta);
+    float followed = 0;
+    for (uint r = 0; r < push.rays; ++r) {
+      const float share = 1 / float(push.rays);
+      const vec3 random = spread(turn, s * push.rays + r);
+      const vec3 i = rough_direction(o, object.alpha, view, random);
+      if (i.z > 0) {
+        const vec2 lobe = lobe_of(push.object, object, o, i, view);
+        const float weight = lobe.x / lobe.y;
+        followed += share * weight;
+        sum = add(sum, follow(hit.position, out_of(frame, i), weight, lobe.y, push.orders, random.yzx), share);
+      }
+      if (push.emitters != 0) {
+        const LightRay light = towards_light(hit.position, random.zxy, push.emitters);
+        const vec3 to_light = into(frame, light.direction);
+        if (light.density > 0 && to_light.z > 0) {
+          const vec2 lobe = lobe_of(push.object, object, o, to_light, view);
+          const vec3 weight = light.radiance * lobe.x / (light.density + lobe.y);
+          if (reaches(hit.position, light)) sum.surface += share * weight;
+        }
+      }
+    }
+    sum.surface += (reflectance - followed) * lighting.environment;
+  }
+  const ivec2 at = ivec2(pixel);
+  const float share = 1 / float(samples);
+  imageStore(multiple, at, imageLoad(multiple, at) + vec4(share * sum.multiple, 0));
+  imageStore(surface, at, imageLoad(surface, at) + vec4(share * sum.surface, 0));
+}
