@@ -13,9 +13,6 @@ static_assert(sizeof(MirroredObject) == 72 && sizeof(Emitter) == 44 && sizeof(Gl
 
 namespace {
 
-/// Two mirrorings: what a third carries is below the noise of any reference (tests/physics/reflection.cpp).
-constexpr std::uint32_t orders = 2;
-
 float largest(glm::vec3 v) { return std::max({v.r, v.g, v.b}); }
 
 std::uint32_t kind_of(Role role) {
@@ -154,7 +151,7 @@ void Reflection::record(gpu::Commands& commands, const Shading::Input& input, co
   push.object = static_cast<std::uint32_t>(target.surface.object);
   push.rays = static_cast<std::uint32_t>(input.rough_rays);
   push.emitters = mirrored.emitter_count;
-  push.orders = orders;
+  push.orders = static_cast<std::uint32_t>(input.mirrorings);
   gpu::Bindings bindings = target.shared;
   for (const gpu::Binding& light : input.lighting.bindings()) bindings.push_back(light);
   for (const gpu::Binding& tree : input.meshes.rays.bindings()) bindings.push_back(tree);

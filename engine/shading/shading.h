@@ -58,6 +58,7 @@ class Shading {
     Frame frame;
     Exit exit = Exit::report;
     int rough_rays = 4;  // mirrored rays a sample of the picture where a surface is rough, and as many towards lights
+    int mirrorings = 2;  // that are followed; what is mirrored once more is taken to see the environment
   };
   /// Draws the picture (stages "visibility", "plain", "translucent", "glow", "reflection") and fetches it. Throws UserError for a frame that
   /// makes no sense.

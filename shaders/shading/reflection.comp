@@ -13,7 +13,11 @@ layout(local_size_x = 8, local_size_y = 8) in;
 layout(push_constant, scalar) uniform Push { ReflectionPush push; };
 
 void main() {
-  const uvec2 pixel = push.corner + gl_GlobalInvocationID.xy;
+  // Neighbours in a vector of lanes lie in squares, not rows: their rays go alike ways.
+  const uint lane = gl_LocalInvocationIndex;
+  const uvec2 place = uvec2(bitfieldExtract(lane, 0, 1) | bitfieldExtract(lane, 2, 1) << 1 | bitfieldExtract(lane, 4, 1) << 2,
+                            bitfieldExtract(lane, 1, 1) | bitfieldExtract(lane, 3, 1) << 1 | bitfieldExtract(lane, 5, 1) << 2);
+  const uvec2 pixel = push.corner + 8 * gl_WorkGroupID.xy + place;
   if (any(greaterThanEqual(pixel, push.camera.size))) return;
   const uint samples = push.camera.edge * push.camera.edge;
   uint todo = 0;
@@ -35,9 +39,10 @@ void main() {
       continue;
     }
     const float reflectance = fresnel_reflectance(o.z, object.eta);
+    const LightShare lights = light_share(s, samples);
     if (object.alpha == 0) {
       const vec3 towards = -reflect(hit.to_eye, hit.normal);
-      sum = add(sum, follow(hit.position, towards, reflectance, 0, push.orders, turn), 1);
+      sum = add(sum, follow(Leaving(hit.position, towards, reflectance, 0), lights, push.orders, turn), 1);
       continue;
     }
     // The environment's mean is mirrored in closed form; the rays bring what differs from it.
@@ -51,7 +56,7 @@ void main() {
         const vec2 lobe = lobe_of(push.object, object, o, i, view);
         const float weight = lobe.x / lobe.y;
         followed += share * weight;
-        sum = add(sum, follow(hit.position, out_of(frame, i), weight, lobe.y, push.orders, random.yzx), share);
+        sum = add(sum, follow(Leaving(hit.position, out_of(frame, i), weight, lobe.y), lights, push.orders, random.yzx), share);
       }
       if (push.emitters != 0) {
         const LightRay light = towards_light(hit.position, random.zxy, push.emitters);

@@ -96,9 +96,30 @@ bool reaches(vec3 from, LightRay light) {
   return trace_ray(from, light.direction, 0, light.distance * (1 - 1e-4)).triangle == ray_missed;
 }
 
+// Which of the light points a ray asks where it meets an opaque surface: points first, first + stride, ..., each for
+// `stride` of them. The rays of one pixel ask different ones, so that together they have asked all.
+struct LightShare {
+  uint first, stride;
+};
+LightShare light_share(uint sample_, uint samples) {
+  const uint least = 8;  // points a ray asks
+  const uint stride = clamp(lighting.points / least, 1, samples);
+  return LightShare(sample_ % stride, stride);
+}
+vec3 irradiance(vec3 position, vec3 normal, LightShare lights) {
+  return lights.stride * gather_points(position, normal, 0, 1, lights.first, lights.stride) +
+         lighting.environment * (3.14159265358979 * environment_openness(position, normal, 0, 1));
+}
+
 // Of a ray that leaves a surface with `throughput`; `density`, 1/sr, is that of its direction where lights are looked
 // for, too, else 0. Mirrorings beyond `orders` see the environment.
-Mirrored follow(vec3 origin, vec3 direction, float throughput, float density, uint orders, vec3 random) {
+struct Leaving {
+  vec3 origin, direction;
+  float throughput, density;
+};
+Mirrored follow(Leaving leaving, LightShare lights, uint orders, vec3 random) {
+  vec3 origin = leaving.origin, direction = leaving.direction;
+  float throughput = leaving.throughput;
   Mirrored sum = Mirrored(vec3(0), vec3(0));
   vec3 colour = vec3(0), position = vec3(0), normal = vec3(0);
   bool lambert = false;
@@ -120,7 +141,7 @@ Mirrored follow(vec3 origin, vec3 direction, float throughput, float density, ui
     const float towards = -dot(normal, direction);
     if (object.kind == mirrored_emissive) {
       const float light = object.light_density * hit.distance * hit.distance / max(abs(towards), 1e-6);
-      const float share = order == 0 && density > 0 ? density / (density + light) : 1;
+      const float share = order == 0 && leaving.density > 0 ? leaving.density / (leaving.density + light) : 1;
       if (towards > 0 || object.two_sided != 0) sum.surface += throughput * share * object.colour;
       break;
     }
@@ -148,6 +169,6 @@ Mirrored follow(vec3 origin, vec3 direction, float throughput, float density, ui
     origin = position;
     random = random.zxy;
   }
-  if (lambert) sum.surface += colour * gather(position, normal, 0, 1, 1);
+  if (lambert) sum.surface += colour * irradiance(position, normal, lights);
   return sum;
 }
