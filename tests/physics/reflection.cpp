@@ -2,6 +2,7 @@
 #include <filesystem>
 
 #include "scene/demo_scenes.h"
+#include "support/furnace.h"
 #include "support/mirror.h"
 
 namespace alabaster {
@@ -46,6 +47,42 @@ TEST_F(Mirror, RoughSurfacesEqualReference) {
     for (Object& object : scene.objects) object.roughness = roughness;
     std::printf("%s, roughness %.1f: ", name, roughness);
     expect_equal(scene, 0.08, {40, 30}, 2048);
+  }
+}
+
+// What blocks the environment shows in it.
+TEST_F(Mirror, TorusInTheEnvironmentEqualsReference) {
+  Scene scene = demo("torus-furnace");
+  expect_equal(scene, 0.05);
+  scene.objects.front().roughness = 0.5;
+  expect_equal(scene, 0.05);
+}
+
+// Reflection and transmission make one at every roughness: of the path tracer this tests the lobe and its sampling ...
+TEST_F(Mirror, RoughFurnaceOfThePathTracer) {
+  for (double roughness : {0.0, 0.2, 0.6, 1.0}) {
+    Scene scene = test::furnace_scene(icosphere(4), 1.5);
+    scene.objects.front().medium.homogeneous.sigma_s = glm::dvec3(3);
+    scene.objects.front().roughness = roughness;
+    const test::FurnaceResult r = test::furnace_figures(mirrored_reference(scene, {{32, 24}, 1}, 256));
+    std::printf("reference, roughness %.1f: mean %.4f\n", roughness, r.mean);
+    EXPECT_NEAR(r.mean, 1, 3e-3);
+  }
+}
+
+// ... and of the renderer that with a convex object nothing is lost on the way.
+TEST_F(Mirror, RoughFurnaceOfTheRenderer) {
+  for (double roughness : {0.2, 0.6, 1.0}) {
+    Scene scene = test::furnace_scene(icosphere(5), 1.5);
+    scene.objects.front().roughness = roughness;
+    Request request;
+    request.grid = 32;
+    request.size = {80, 60};
+    const RenderResult result = render_scene(context, scene, make_plan(scene, request, context.info().heap_bytes));
+    const test::FurnaceResult r = test::furnace_figures(result.shaded.picture);
+    std::printf("roughness %.1f: mean %.5f, worst pixel %.5f off\n", roughness, r.mean, r.worst);
+    EXPECT_NEAR(r.mean, 1, 1e-3);
+    EXPECT_LE(r.worst, 5e-3);
   }
 }
 
