@@ -9,7 +9,7 @@
 namespace alabaster {
 
 static_assert(sizeof(MirroredObject) == 72 && sizeof(Emitter) == 44 && sizeof(GlowPush) == 28 &&
-              sizeof(ReflectionPush) == 92);
+              sizeof(ReflectionPush) == 100);
 
 namespace {
 
@@ -160,7 +160,13 @@ void Reflection::record(gpu::Commands& commands, const Shading::Input& input, co
   bindings.push_back({"emitters", mirrored.emitters});
   bindings.push_back({"lobes", mirrored.lobes});
   const auto timer = commands.time("reflection");
-  commands.dispatch(reflection_, {target.extent, 1}, bindings, push);
+  // Lavapipe ends an invocation after 65535 turns of its loops, all taken together: rough samples go one by one.
+  const std::uint32_t samples = target.camera.edge * target.camera.edge;
+  const std::uint32_t at_once = rough(input.scene.objects[push.object]) ? 1 : samples;
+  for (push.first_sample = 0; push.first_sample < samples; push.first_sample += at_once) {
+    push.end_sample = push.first_sample + at_once;
+    commands.dispatch(reflection_, {target.extent, 1}, bindings, push);
+  }
 }
 
 }  // namespace alabaster

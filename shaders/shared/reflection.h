@@ -41,6 +41,7 @@ struct ReflectionPush {
   uvec2 corner;       // first pixel of the rectangle that holds the object
   uint first, count;  // the object's triangles
   uint object;        // in Scene::objects
+  uint first_sample, end_sample;  // of each pixel; the end is past the last
   uint rays;          // a sample of the picture, where the surface is rough
   uint emitters;
   uint orders;        // mirrorings that are followed
