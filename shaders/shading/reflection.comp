@@ -65,7 +65,7 @@ void main() {
   Mirrored sum = Mirrored(vec3(0), vec3(0));
   for (; todo != 0; todo &= todo - 1) {
     const uint s = uint(findLSB(todo));
-    sum = add(sum, mirrored(sample_hit(push.camera, pixel, s), s, turn_of(pixel), light_share(s, samples)), 1);
+    sum = add(sum, mirrored(sample_hit(push.camera, pixel, s), s, turn_of(pixel), asked_of(s, samples)), 1);
   }
   const ivec2 at = ivec2(pixel);
   const float share = 1 / float(samples);

@@ -101,7 +101,7 @@ bool reaches(vec3 from, LightRay light) {
 struct LightShare {
   uint first, stride;
 };
-LightShare light_share(uint sample_, uint samples) {
+LightShare asked_of(uint sample_, uint samples) {
   const uint least = 8;  // points a ray asks
   const uint stride = clamp(lighting.points / least, 1, samples);
   return LightShare(sample_ % stride, stride);
