@@ -91,9 +91,8 @@ class Builder {
     const float whole = half_area(box);
     if (count <= most_in_leaf && !(split.cost + 2 * step_cost * whole < static_cast<float>(count) * whole)) return end;
     if (split.axis < 0) return count <= most_in_leaf ? end : first + count / 2;  // all centres in one place
-    const auto middle = std::partition(order_.begin() + first, order_.begin() + end, [&](std::uint32_t i) {
-      return bin_of(i, centres, split.axis) < split.bin;
-    });
+    const auto middle = std::partition(order_.begin() + first, order_.begin() + end,
+                                       [&](std::uint32_t i) { return bin_of(i, centres, split.axis) < split.bin; });
     return static_cast<std::uint32_t>(middle - order_.begin());
   }
 

@@ -1,5 +1,5 @@
-// What a ray meets in a scene, for passes that trace rays without ray-tracing hardware: a bounding volume hierarchy, built
-// on the CPU, walked in compute by lighting/ray_tree.glsl (bindings "nodes" and "ray_triangles").
+// What a ray meets in a scene, for passes that trace rays without ray-tracing hardware: a bounding volume hierarchy,
+// built on the CPU, walked in compute by lighting/ray_tree.glsl (bindings "nodes" and "ray_triangles").
 #pragma once
 
 #include "gpu/pass.h"
@@ -18,8 +18,8 @@ struct RayTree {
 RayTree make_ray_tree(const Scene& scene);
 
 struct RayTreeHit {
-  float distance = INFINITY;               // m
-  std::uint32_t triangle = UINT32_MAX;     // of RayTree::triangles
+  float distance = INFINITY;            // m
+  std::uint32_t triangle = UINT32_MAX;  // of RayTree::triangles
 };
 
 /// The twin of the walk in lighting/ray_tree.glsl: the nearest triangle between `near` and `far`, m.

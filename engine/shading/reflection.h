@@ -12,8 +12,8 @@ namespace alabaster {
 struct MirroredScene {
   gpu::Buffer objects, emitters, lobes;
   std::uint32_t emitter_count = 0;
-  gpu::Image glow;                  // of all surfaces that are solved, two slabs each along z
-  std::vector<int> glow_z;          // texels, where the first slab of each of Input::surfaces starts
+  gpu::Image glow;          // of all surfaces that are solved, two slabs each along z
+  std::vector<int> glow_z;  // texels, where the first slab of each of Input::surfaces starts
 };
 
 class Reflection {

@@ -111,12 +111,13 @@ vec3 irradiance(vec3 position, vec3 normal, LightShare lights) {
          lighting.environment * (3.14159265358979 * environment_openness(position, normal, 0, 1));
 }
 
-// Of a ray that leaves a surface with `throughput`; `density`, 1/sr, is that of its direction where lights are looked
-// for, too, else 0. Mirrorings beyond `orders` see the environment.
+// A ray that leaves a surface with `throughput`; `density`, 1/sr, is that of its direction where lights are looked for,
+// too, else 0.
 struct Leaving {
   vec3 origin, direction;
   float throughput, density;
 };
+// Mirrorings beyond `orders` see the environment.
 Mirrored follow(Leaving leaving, LightShare lights, uint orders, vec3 random) {
   vec3 origin = leaving.origin, direction = leaving.direction;
   float throughput = leaving.throughput;

@@ -1,6 +1,7 @@
 // The few words that let one header be GLSL and C++ at once.
 // In C++ a shared function is a template over its real type, so the tests can call the shader's own source in double
-// precision; in GLSL `real` is float. One with vectors is SHARED_INLINE and float in both. Shared structs use `scalar` block layout (GL_EXT_scalar_block_layout).
+// precision; in GLSL `real` is float. One with vectors is SHARED_INLINE and float in both. Shared structs use `scalar`
+// block layout (GL_EXT_scalar_block_layout).
 #ifndef ALABASTER_SHARED_LANGUAGE_H
 #define ALABASTER_SHARED_LANGUAGE_H
 

@@ -13,13 +13,13 @@ class RoughReflection : public GpuTest {
     Object ball = make_object(Role::translucent, icosphere(3, 0.5f));
     ball.eta = 1.5;
     const glm::dmat4 lamp(look_at({-1, 1.4, 1.2}, {0, 0, 0}));
-    scene.objects = {ball,
-                     make_light(transformed(quad(0.6f, 0.6f), lamp * rotation({1, 0, 0}, -90)), {3, 2, 1}, true)};
+    scene.objects = {ball, make_light(transformed(quad(0.6f, 0.6f), lamp * rotation({1, 0, 0}, -90)), {3, 2, 1}, true)};
     scene.environment.radiance = {0.5f, 0.25f, 1};
     scene.cameras = {{"main", look_at({0.3, 0.4, 2.6}, {0, 0, 0}), 0.5f}};
   }
 
-  /// Red, green and blue of what the ball mirrors towards the ray's origin; it is convex, so only its horizon shadows it.
+  /// Red, green and blue of what the ball mirrors towards the ray's origin; it is convex, so only its horizon shadows
+  /// it.
   glm::dvec3 mirrored(const RoughLobe& lobe, glm::dvec3 ray, glm::dvec3 x, glm::dvec3 n) const {
     const glm::dvec3 s = glm::normalize(glm::cross(n, std::abs(n.x) < 0.5 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0)));
     const glm::dvec3 t = glm::cross(n, s);
@@ -64,18 +64,20 @@ TEST_F(RoughReflection, EqualsTheSumOverTheLamp) {
         if (p.channels.at("object.Y")[i] == 0) continue;
         const glm::dvec2 screen = 2.0 * glm::dvec2(x + 0.5, y + 0.5) / glm::dvec2(size) - 1.0;
         const glm::dvec3 eye = camera.to_world[3];
-        const glm::dvec3 ray = glm::normalize(glm::dmat3(camera.to_world) *
-                                              glm::dvec3(screen.x * tangent * size.x / size.y, -screen.y * tangent, -1));
+        const glm::dvec3 ray = glm::normalize(
+            glm::dmat3(camera.to_world) * glm::dvec3(screen.x * tangent * size.x / size.y, -screen.y * tangent, -1));
         const glm::dvec3 n(p.channels.at("N.X")[i], p.channels.at("N.Y")[i], p.channels.at("N.Z")[i]);
         const glm::dvec3 truth = mirrored(lobe, ray, eye + double(p.channels.at("Z")[i]) * ray, glm::normalize(n));
-        const glm::dvec3 value(p.channels.at("surface.R")[i], p.channels.at("surface.G")[i], p.channels.at("surface.B")[i]);
+        const glm::dvec3 value(p.channels.at("surface.R")[i], p.channels.at("surface.G")[i],
+                               p.channels.at("surface.B")[i]);
         square += glm::dot(value - truth, value - truth);
         got += value.r, expected += truth.r, ++pixels;
         ASSERT_EQ(p.channels.at("multiple.G")[i], 0);
       }
     ASSERT_GT(pixels, 80);
     const double rmse = std::sqrt(square / (3 * pixels)) / (expected / pixels);
-    std::printf("roughness %.2f: RMSE %.2f %% of the mean, bias %.3f %%\n", roughness, 100 * rmse, 100 * (got / expected - 1));
+    std::printf("roughness %.2f: RMSE %.2f %% of the mean, bias %.3f %%\n", roughness, 100 * rmse,
+                100 * (got / expected - 1));
     EXPECT_LT(rmse, 0.02);
     EXPECT_NEAR(got, expected, 3e-3 * expected);
   }

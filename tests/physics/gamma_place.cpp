@@ -1,4 +1,5 @@
-// Gamma_s of the cells' facets or of the pixel in the surface query: which comes nearer to the path tracer? A study, run by
+// Gamma_s of the cells' facets or of the pixel in the surface query: which comes nearer to the path tracer? A study,
+// run by
 //   test_physics --gtest_filter='GammaPlace.DISABLED_Table' --gtest_also_run_disabled_tests
 #include <filesystem>
 
@@ -44,8 +45,8 @@ class GammaPlace : public GpuTest {
       for (int x = 0; x < size.x; ++x) {
         const std::size_t i = static_cast<std::size_t>(y * size.x + x);
         const glm::dvec2 screen = 2.0 * glm::dvec2(x + 0.5, y + 0.5) / glm::dvec2(size) - 1.0;
-        const glm::dvec3 ray = glm::dmat3(camera.to_world) *
-                               glm::dvec3(screen.x * tangent * size.x / size.y, -screen.y * tangent, -1);
+        const glm::dvec3 ray =
+            glm::dmat3(camera.to_world) * glm::dvec3(screen.x * tangent * size.x / size.y, -screen.y * tangent, -1);
         const auto plane = [&](const char* name) { return picture.channels.at(name)[i]; };
         const glm::vec3 normal(plane("N.X"), plane("N.Y"), plane("N.Z"));
         receivers.push_back({glm::vec3(camera.to_world[3]) + plane("Z") * glm::vec3(glm::normalize(ray)),
@@ -59,7 +60,8 @@ class GammaPlace : public GpuTest {
     return gamma;
   }
 
-  /// Relative RMSE, the reference's noise taken out, with `share` of Gamma_s from the pixel and the rest from the facets.
+  /// Relative RMSE, the reference's noise taken out, with `share` of Gamma_s from the pixel and the rest from the
+  /// facets.
   double error(const Scene& scene, const Picture& p, const std::vector<double>& pixel, double share, const Picture& r) {
     const double eta = scene.objects.front().eta, f_dr = internal_diffuse_reflectance(eta), A = boundary_constant(f_dr);
     const Camera& camera = scene.cameras.front();
@@ -69,10 +71,12 @@ class GammaPlace : public GpuTest {
       for (int x = 0; x < size.x; ++x) {
         const std::size_t i = static_cast<std::size_t>(y * size.x + x);
         if (!whole(p, i) || !whole(r, i)) continue;
-        const auto plane = [&](const Picture& q, const char* name) { return static_cast<double>(q.channels.at(name)[i]); };
+        const auto plane = [&](const Picture& q, const char* name) {
+          return static_cast<double>(q.channels.at(name)[i]);
+        };
         const glm::dvec2 screen = 2.0 * glm::dvec2(x + 0.5, y + 0.5) / glm::dvec2(size) - 1.0;
-        const glm::dvec3 ray = glm::normalize(glm::dmat3(camera.to_world) *
-                                              glm::dvec3(screen.x * tangent * size.x / size.y, -screen.y * tangent, -1));
+        const glm::dvec3 ray = glm::normalize(
+            glm::dmat3(camera.to_world) * glm::dvec3(screen.x * tangent * size.x / size.y, -screen.y * tangent, -1));
         const glm::dvec3 normal(plane(p, "N.X"), plane(p, "N.Y"), plane(p, "N.Z"));
         const double f_t = fresnel_transmittance(-glm::dot(ray, normal), eta);
         const double gamma = share * pixel[i] + (1 - share) * plane(p, "gamma_s.G");

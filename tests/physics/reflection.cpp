@@ -23,9 +23,11 @@ class Mirror : public GpuTest {
         compare(coarser(mirrored_picture(context, scene, fine), 2), mirrored_reference(scene, frame, samples));
     ASSERT_GT(c.pixels, 150u);
     ASSERT_TRUE(c.z);
-    std::printf("mean %.5f, reference %.5f, bias %.2f %% (%.1f standard errors), RMSE %.1f %%, without noise %.1f %%, |z| > 3 in %.2f %%\n",
-                c.all.mean_test, c.all.mean_reference, 100 * c.all.bias, c.z->bias_z, 100 * c.all.relative_rmse,
-                100 * c.z->corrected_rmse, 100 * c.z->rejected);
+    std::printf(
+        "mean %.5f, reference %.5f, bias %.2f %% (%.1f standard errors), RMSE %.1f %%, without noise %.1f %%, |z| > 3 "
+        "in %.2f %%\n",
+        c.all.mean_test, c.all.mean_reference, 100 * c.all.bias, c.z->bias_z, 100 * c.all.relative_rmse,
+        100 * c.z->corrected_rmse, 100 * c.z->rejected);
     EXPECT_LT(std::abs(c.z->bias_z), 4);
     EXPECT_LT(c.z->corrected_rmse, most);
   }
@@ -39,7 +41,8 @@ TEST_F(Mirror, BunnyEqualsReference) {
   expect_equal(demo("bunny-marble"), 0.1);
 }
 
-// Lamps alone: where a path tracer meets a diffuse ground through a rough mirror its noise has tails that no variance tells.
+// Lamps alone: where a path tracer meets a diffuse ground through a rough mirror its noise has tails that no variance
+// tells.
 TEST_F(Mirror, RoughSurfacesEqualReference) {
   for (auto [name, roughness] : {std::pair("sphere-marble", 0.2), {"torus-wax", 0.5}, {"sphere-marble", 1.0}}) {
     Scene scene = demo(name);

@@ -27,7 +27,8 @@ inline Picture mirrored_picture(gpu::Context& context, const Scene& scene, const
   input.rough_rays = rough_rays;
   for (std::size_t i = 0; i < scene.objects.size(); ++i)
     if (scene.objects[i].role == Role::translucent)
-      input.surfaces.push_back({static_cast<int>(i), {&black, &black}, {&black, &black}, GridFrame{{2, 2, 2}, 1, {-1, -1, -1}}});
+      input.surfaces.push_back(
+          {static_cast<int>(i), {&black, &black}, {&black, &black}, GridFrame{{2, 2, 2}, 1, {-1, -1, -1}}});
   return Shading(context).shade(input).picture;
 }
 

@@ -18,8 +18,8 @@ Scene scattered_balls() {
   std::uniform_real_distribution<double> uniform(-1, 1);
   for (int i = 0; i < 12; ++i) {
     const glm::dvec3 at(uniform(engine), uniform(engine), uniform(engine));
-    scene.objects.push_back(make_object(i % 2 ? Role::translucent : Role::opaque,
-                                        transformed(icosphere(2, 0.3f), translation(at))));
+    scene.objects.push_back(
+        make_object(i % 2 ? Role::translucent : Role::opaque, transformed(icosphere(2, 0.3f), translation(at))));
   }
   scene.objects.push_back(make_object(Role::opaque, quad(3, 3)));
   return scene;

@@ -68,7 +68,8 @@ TEST(RoughLobe, IndexAboveOneHardlyNeedsAScale) {
   for (double eta : {1.1, 1.3, 1.5, 2.0})
     for (double roughness : {0.1, 0.5, 1.0}) {
       const RoughLobe lobe = make_rough_lobe(roughness, eta);
-      for (float mu = 0; mu <= 1; mu += 0.02f) EXPECT_GT(lobe.view(mu).scale, 0.94f) << eta << " " << roughness << " " << mu;
+      for (float mu = 0; mu <= 1; mu += 0.02f)
+        EXPECT_GT(lobe.view(mu).scale, 0.94f) << eta << " " << roughness << " " << mu;
     }
 }
 
