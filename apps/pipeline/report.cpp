@@ -87,6 +87,7 @@ json plan_json(const Plan& plan) {
 
 json stats_json(const RenderResult& result, const Plan& plan, const gpu::Context& context) {
   return {{"stages", result.stages},
+          {"passes", context.timings()},
           {"solver", total_solver(result)},
           {"energy", total_energy(result)},
           {"negative", {{"count", result.shaded.negative_pixels}, {"share", result.shaded.negative_share}}},

@@ -7,7 +7,7 @@
 
 namespace alabaster {
 
-/// `stages`, `solver`, `energy`, `negative`, `plan`, and `objects` with the same for each object. Powers in W.
+/// `stages`, `passes` (milliseconds on the device, by pass or group of passes), `solver`, `energy`, `negative`, `plan`, and `objects` with the same for each object. Powers in W.
 nlohmann::json stats_json(const RenderResult& result, const Plan& plan, const gpu::Context& context);
 
 /// Puts every setting, the time of each stage, the solver's residual and the energy balance into the picture's

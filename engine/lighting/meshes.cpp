@@ -52,6 +52,7 @@ SceneMeshes upload_meshes(gpu::Context& context, const Scene& scene) {
   }
   meshes.positions = gpu::make_buffer(context, positions, "mesh positions");
   meshes.triangles = gpu::make_buffer(context, triangles, "mesh triangles");
+  meshes.rays = upload_ray_tree(context, make_ray_tree(scene));
   return meshes;
 }
 

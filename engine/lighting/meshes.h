@@ -1,9 +1,10 @@
-// All triangles of a scene on the device, for shadow maps and pictures.
+// All triangles of a scene on the device, for shadow maps, pictures and rays.
 #pragma once
 
 #include <vector>
 
 #include "gpu/raster.h"
+#include "lighting/ray_tree.h"
 #include "scene/scene.h"
 
 namespace alabaster {
@@ -16,6 +17,7 @@ struct SceneMeshes {
   gpu::Buffer positions;      // vec3, m
   gpu::Buffer triangles;      // uvec3 into positions
   std::vector<Range> ranges;  // by object
+  DeviceRayTree rays;         // the same triangles in an order of their own
 
   gpu::Geometry geometry(std::size_t object) const {
     return {&positions, &triangles, 3 * ranges[object].count, 3 * ranges[object].first};

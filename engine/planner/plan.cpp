@@ -109,7 +109,8 @@ Plan make_plan(const Scene& scene, const Request& request, std::uint64_t heap_by
   const int usual = request.quality == Quality::preview ? 8 : request.quality == Quality::accurate ? 128 : 32;
   plan.light_samples = request.light_samples.value_or(usual);
   plan.environment_samples = scene.environment.dark() ? 0 : 2 * usual;
-  plan.reasons.push_back("surface reflection: of the environment only");
+  plan.reasons.push_back(
+      "surface reflection: by rays to lights, objects and the environment, followed through two mirrorings");
   return plan;
 }
 

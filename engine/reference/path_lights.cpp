@@ -162,7 +162,7 @@ void Tracer::shoot(Path& ray, std::uint32_t light) {
     ray.origin = hit.point;
     ray.on_surface = true;
     ray.leaving = {};
-    cross(ray, hit, false);
+    if (!cross(ray, hit, false)) return;
   }
   sample_.capped = true;
 }

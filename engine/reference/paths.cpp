@@ -166,7 +166,25 @@ bool Tracer::meet(Path& path, const Hit& hit) {
   return reflect_diffusely(path, hit, body);
 }
 
-// A smooth dielectric surface: mirrored or let through by chance, but both where the camera looks at it.
+// What a surface of normal `n` mirrors, given that it does not let through: from outside a rough one spreads it. False
+// where that leads into the surface.
+bool Tracer::mirror(Path& path, const Body& body, bool entering, glm::vec3 n, float cosine) {
+  if (!entering || !body.rough) {
+    path.direction = glm::normalize(path.direction + 2 * cosine * n);
+    return true;
+  }
+  const glm::vec3 x = around(n, 0, 0), y = glm::cross(n, x), back = -path.direction;
+  const glm::vec3 o(glm::dot(x, back), glm::dot(y, back), std::max(cosine, 1e-4f));
+  const float u = random_.uniform(), v = random_.uniform(), w = random_.uniform();
+  const glm::vec3 i = body.rough->mirrored(o, {u, v, w});
+  if (i.z <= 0) return false;
+  const glm::vec2 lobe = body.rough->value_and_density(o, i);
+  path.throughput *= lobe.x / (lobe.y * body.rough->view(o.z).reflectance);
+  path.direction = glm::normalize(i.x * x + i.y * y + i.z * n);
+  return true;
+}
+
+// A dielectric surface: mirrored or let through by chance, but both where the camera looks at it.
 bool Tracer::cross(Path& path, const Hit& hit, bool first) {
   const std::uint32_t object = hit.where.object;
   const bool entering = glm::dot(path.direction, hit.normal) < 0;
@@ -185,18 +203,16 @@ bool Tracer::cross(Path& path, const Hit& hit, bool first) {
   const glm::vec3 n = entering ? hit.normal : -hit.normal;
   const float cosine = std::clamp(-glm::dot(path.direction, n), 0.0f, 1.0f);
   const float reflectance = fresnel_reflectance(cosine, ratio);
-  const glm::vec3 mirrored = glm::normalize(path.direction + 2 * cosine * n);
+  const Body& body = world_.body(object);
   if (first && reflectance < 1) {
     mirrored_ = path;
-    mirrored_.direction = mirrored;
     mirrored_.throughput *= reflectance;
     mirrored_.mirrored_first = entering;
-    has_mirrored_ = reflectance > 0;
+    has_mirrored_ = reflectance > 0 && mirror(mirrored_, body, entering, n, cosine);
     path.throughput *= 1 - reflectance;
   } else if (random_.uniform() < reflectance) {
-    path.direction = mirrored;
     if (first) path.mirrored_first = entering;
-    return true;
+    return mirror(path, body, entering, n, cosine);
   }
   const float below = refracted_cosine(cosine, ratio);
   path.direction = glm::normalize((path.direction + cosine * n) / ratio - below * n);

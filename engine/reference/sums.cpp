@@ -168,6 +168,7 @@ std::uint64_t fingerprint_of(const Scene& scene) {
     hash = hash_grid(o.medium.sigma_s, hash_grid(o.medium.sigma_a, hash));
     if (o.medium.solid) hash = hash_of(*o.medium.solid, hash);
     hash = hash_of(o.medium.scale, hash_of(o.medium.world_to_box, hash));
+    if (o.roughness > 0) hash = hash_of(o.roughness, hash);
     hash = hash_of(o.eta, hash_of(o.albedo, hash_of(o.radiance, hash_of(o.two_sided, hash))));
   }
   return hash;

@@ -83,6 +83,7 @@ class Tracer {
   bool scatter(Path& path);
   bool meet(Path& path, const Hit& hit);
   bool cross(Path& path, const Hit& hit, bool first);
+  bool mirror(Path& path, const Body& body, bool entering, glm::vec3 n, float cosine);
   bool reflect_diffusely(Path& path, const Hit& hit, const Body& body);
 
   // Lights (path_lights.cpp).

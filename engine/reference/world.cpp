@@ -66,6 +66,7 @@ World::World(const Scene& scene, Guiding guiding) : device_(rtcNewDevice(nullptr
     body.role = object.role;
     body.medium = FlatMedium(object.medium);
     body.eta = object.role == Role::translucent ? static_cast<float>(object.eta) : 1.0f;
+    if (body.eta != 1 && object.roughness >= least_roughness) body.rough = make_rough_lobe(object.roughness, object.eta);
     body.albedo = object.albedo;
     body.radiance = object.radiance;
     body.two_sided = object.two_sided;

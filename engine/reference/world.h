@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "reference/distance_grid.h"
@@ -14,6 +15,7 @@
 #include "reference/lamps.h"
 #include "reference/media.h"
 #include "reference/random.h"
+#include "scene/rough_lobe.h"
 #include "scene/scene.h"
 
 namespace alabaster {
@@ -48,6 +50,7 @@ struct Body {
   Role role = Role::opaque;
   FlatMedium medium;
   float eta = 1;
+  std::optional<RoughLobe> rough;  // translucent: how its outside mirrors; none: smooth
   glm::vec3 albedo{0};      // opaque
   glm::vec3 radiance{0};    // emissive, W/m^2/sr
   bool two_sided = false;   // emissive

@@ -244,7 +244,8 @@ class Builder {
                   source.eta,
                   source.albedo,
                   source.radiance,
-                  source.two_sided};
+                  source.two_sided,
+                  source.roughness};
     for (glm::vec3 p : object.mesh.positions)
       if (!std::isfinite(p.x + p.y + p.z))
         throw UserError(place + " lies too far out for 32-bit floats; bring it nearer");

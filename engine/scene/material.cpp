@@ -193,6 +193,14 @@ glm::vec3 base_colour(const Fields& material) {
   return glm::vec3(colour);
 }
 
+/// Of a translucent surface. Where the material gives none, glTF's is 1; media of our own (`extras`) are polished.
+double roughness(const Fields& material, bool extras) {
+  Fields pbr = material.child("pbrMetallicRoughness");
+  double value = pbr.number_or("roughnessFactor", extras ? 0 : 1);
+  if (!(value >= 0 && value <= 1)) pbr.fail("roughnessFactor", "must lie in 0..1");
+  return value;
+}
+
 }  // namespace
 
 Material read_material(const Fields& material, GridCache& grids) {
@@ -220,6 +228,7 @@ Material read_material(const Fields& material, GridCache& grids) {
     if (extensions.has("KHR_materials_ior")) out.eta = extensions.child("KHR_materials_ior").number_or("ior", 1.5);
     if (out.eta <= 0) extensions.child("KHR_materials_ior").fail("ior", "must be positive (1 = index-matched)");
     read_specular(extensions, out);
+    out.roughness = roughness(material, extras.has("medium"));
     if (out.radiance != glm::vec3(0)) out.warning = "emission of a translucent material is ignored";
     out.radiance = glm::vec3(0);
   } else if (out.radiance != glm::vec3(0)) {

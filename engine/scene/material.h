@@ -25,6 +25,7 @@ struct Material {
   glm::vec3 albedo{0.8f};
   glm::vec3 radiance{0};
   bool two_sided = false;
+  double roughness = 0;  // translucent
   std::string warning;  // empty, or one line
 };
 

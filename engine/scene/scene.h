@@ -90,6 +90,7 @@ struct Object {
   glm::vec3 albedo{0.8f};  // opaque: Lambert reflectance
   glm::vec3 radiance{0};   // emissive: W/m^2/sr, from the front side
   bool two_sided = false;  // emissive: from both sides
+  double roughness = 0;    // translucent: of its surface, 0 (smooth) to 1; GGX with alpha = roughness^2
 };
 
 struct Camera {

@@ -147,6 +147,7 @@ class Writer {
     if (object.role == Role::translucent) {
       extend(out, "KHR_materials_ior", {{"ior", object.eta}});
       out["extras"]["medium"] = medium(object.medium);
+      out["pbrMetallicRoughness"] = {{"metallicFactor", 0}, {"roughnessFactor", object.roughness}};
     } else if (object.role == Role::emissive) {
       double strength = std::max({object.radiance.r, object.radiance.g, object.radiance.b});
       out["emissiveFactor"] = triple(strength > 0 ? glm::dvec3(object.radiance) / strength : glm::dvec3(0));

@@ -4,12 +4,13 @@
 #include <cmath>
 
 #include "scene/error.h"
+#include "shading/reflection.h"
 #include "shared/optics.h"
 #include "shared/shading.h"
 
 namespace alabaster {
 
-static_assert(sizeof(CameraRays) == 60 && sizeof(PlainObject) == 20 && sizeof(TranslucentPush) == 120);
+static_assert(sizeof(CameraRays) == 60 && sizeof(PlainObject) == 20 && sizeof(TranslucentPush) == 116);
 
 namespace {
 
@@ -126,7 +127,6 @@ TranslucentPush translucent_push(const Shading::Input& input, const TranslucentS
   push.eta = static_cast<float>(eta);
   push.A = static_cast<float>(boundary_constant(f_dr));
   push.f_dt = static_cast<float>(1 - f_dr);
-  push.environment_turn = input.lighting.environment_turn();
   push.exit_scale = input.exit == Exit::as_printed ? 1.0f : static_cast<float>(1 / (eta * eta));
   return push;
 }
@@ -190,7 +190,10 @@ Shading::Shading(gpu::Context& context)
       nearest_(context, gpu::Filter::nearest),
       visibility_(context, "shading/visibility.vert", "shading/visibility.frag", id_and_depth()),
       plain_(context, "shading/plain.comp"),
-      translucent_(context, "shading/translucent.comp") {}
+      translucent_(context, "shading/translucent.comp"),
+      reflection_(std::make_unique<Reflection>(context)) {}
+
+Shading::~Shading() = default;
 
 ShadedPicture Shading::shade(const Input& input) const {
   check_frame(input.frame);
@@ -204,6 +207,8 @@ ShadedPicture Shading::shade(const Input& input) const {
   const PlainObjects plain = plain_objects(input.scene);
   const gpu::Buffer objects = gpu::make_buffer(context_, plain.objects, "plain objects");
   const gpu::Buffer triangle_objects = gpu::make_buffer(context_, plain.of_triangle, "objects of triangles");
+
+  const MirroredScene mirrored = reflection_->prepare(input);
 
   gpu::Commands commands(context_);
   {
@@ -231,10 +236,9 @@ ShadedPicture Shading::shade(const Input& input) const {
     bindings.push_back({"triangle_objects", triangle_objects});
     commands.dispatch(plain_, {rays.size, 1}, bindings, PlainPush{rays, input.lighting.environment_turn()});
   }
+  reflection_->record_glow(commands, input, mirrored);
   for (const TranslucentSurface& surface : input.surfaces) {
-    const auto timer = commands.time("translucent");
     gpu::Bindings bindings = shared;
-    bindings.push_back(input.lighting.environment_binding());
     bindings.push_back({"phi_up", *surface.fluence[0], linear_});
     bindings.push_back({"phi_down", *surface.fluence[1], linear_});
     bindings.push_back({"gamma_up", *surface.gamma_s[0], linear_});
@@ -243,17 +247,21 @@ ShadedPicture Shading::shade(const Input& input) const {
     if (rectangle.low.x >= rectangle.high.x || rectangle.low.y >= rectangle.high.y) continue;
     TranslucentPush push = translucent_push(input, surface, rays);
     push.corner = rectangle.low;
+    const glm::uvec2 extent = rectangle.high - rectangle.low;
     if (surface.gather) push.exit_scale = 0;
-    commands.dispatch(translucent_, {rectangle.high - rectangle.low, 1}, bindings, push);
-    if (!surface.gather) continue;
-    const auto gathered_timer = commands.time("gathered");
-    if (!gathered_) gathered_ = std::make_unique<gpu::Pass>(context_, "shading/gathered.comp");
-    bindings = surface.gather->picture_bindings();
-    for (const char* name :
-         {"visible", "positions", "triangles", "multiple", "surface", "fluence", "gamma_s", "normals"})
-      bindings.push_back(*std::find_if(shared.begin(), shared.end(),
-                                       [&](const gpu::Binding& b) { return std::string(name) == b.name; }));
-    commands.dispatch(*gathered_, {rectangle.high - rectangle.low, 1}, bindings, push);
+    {
+      const auto timer = commands.time("translucent");
+      commands.dispatch(translucent_, {extent, 1}, bindings, push);
+    }
+    if (surface.gather) {
+      const auto timer = commands.time("gathered");
+      if (!gathered_) gathered_ = std::make_unique<gpu::Pass>(context_, "shading/gathered.comp");
+      bindings = surface.gather->picture_bindings();
+      for (const gpu::Binding& binding : shared) bindings.push_back(binding);
+      commands.dispatch(*gathered_, {extent, 1}, bindings, push);
+    }
+    if (input.scene.objects[static_cast<std::size_t>(surface.object)].eta != 1)
+      reflection_->record(commands, input, mirrored, {surface, rays, rectangle.low, extent, shared});
   }
   commands.submit();
   return planes(context_, sums, size);

@@ -33,19 +33,22 @@ struct Frame {
 };
 
 struct ShadedPicture {
-  /// R, G, B = multiple + surface. multiple.*: light from inside; surface.*: opaque and emissive objects, background,
-  /// and on translucent objects the environment mirrored by Fresnel (unoccluded; area lights are not
-  /// mirrored). fluence.*, gamma_s.*: W/m^2, mean over the pixel's translucent part, 0 without one. N.X, N.Y, N.Z: unit
-  /// world normal, and Z: distance from the eye in metres, both means over what the pixel sees, 0 where it sees
-  /// nothing. object.Y: share of the pixel that is translucent.
+  /// R, G, B = multiple + surface. multiple.*: light from inside, of the object itself or of one that it mirrors;
+  /// surface.*: opaque and emissive objects, background, and what of them translucent objects mirror. fluence.*,
+  /// gamma_s.*: W/m^2, mean over the pixel's translucent part, 0 without one. N.X, N.Y, N.Z: unit world normal, and Z:
+  /// distance from the eye in metres, both means over what the pixel sees, 0 where it sees nothing. object.Y: share of
+  /// the pixel that is translucent.
   Picture picture;
   std::size_t negative_pixels = 0;  // the query's bracket was negative in a channel and was set to 0
   double negative_share = 0;        // of the pixels that see translucent objects
 };
 
+class Reflection;
+
 class Shading {
  public:
   explicit Shading(gpu::Context& context);
+  ~Shading();
 
   struct Input {
     const Scene& scene;
@@ -55,9 +58,11 @@ class Shading {
     Camera camera;
     Frame frame;
     Exit exit = Exit::report;
+    int rough_rays = 4;  // mirrored rays a sample of the picture where a surface is rough, and as many towards lights
+    int mirrorings = 2;  // that are followed; what is mirrored once more is taken to see the environment
   };
-  /// Draws the picture (stages "visibility", "plain", "translucent") and fetches it. Throws UserError for a frame that
-  /// makes no sense.
+  /// Draws the picture (stages "visibility", "plain", "translucent", "glow", "reflection") and fetches it. Throws
+  /// UserError for a frame that makes no sense.
   ShadedPicture shade(const Input& input) const;
 
  private:
@@ -66,6 +71,7 @@ class Shading {
   gpu::RasterPass visibility_;
   gpu::Pass plain_, translucent_;
   mutable std::unique_ptr<gpu::Pass> gathered_;  // made when first wanted
+  std::unique_ptr<Reflection> reflection_;
 };
 
 }  // namespace alabaster

@@ -29,9 +29,10 @@ vec3 way_to(LightPoint light, vec3 position, out float distance2) {
   return way * inversesqrt(max(distance2, 1e-30));
 }
 
-vec3 gather_points(vec3 position, vec3 normal, float slack, float eta) {
+// Of the points first, first + stride, ...; `stride` such parts add up to the whole.
+vec3 gather_points(vec3 position, vec3 normal, float slack, float eta, uint first, uint stride) {
   vec3 sum = vec3(0);
-  for (uint i = 0; i < lighting.points; ++i) {
+  for (uint i = first; i < lighting.points; i += stride) {
     const LightPoint light = points[i];
     float distance2;
     const vec3 w = way_to(light, position, distance2);
@@ -72,6 +73,6 @@ float environment_openness(vec3 position, vec3 normal, float slack, float eta) {
 }
 
 vec3 gather(vec3 position, vec3 normal, float slack, float eta, float f_dt_outer) {
-  return gather_points(position, normal, slack, eta) +
+  return gather_points(position, normal, slack, eta, 0, 1) +
          lighting.environment * (3.14159265358979 * f_dt_outer * environment_openness(position, normal, slack, eta));
 }

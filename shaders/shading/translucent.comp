@@ -1,10 +1,8 @@
-// Adds one translucent object to the picture: the render query (Eq. 14, with the exit scale) on its surface, and the
-// environment mirrored by it.
+// Adds one translucent object to the picture: the render query (Eq. 14, with the exit scale) on its surface.
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
 #include "domain/facet_class.glsl"
-#include "lighting/environment.glsl"
 #include "shared/optics.h"
 #include "visible.glsl"
 layout(local_size_x = 8, local_size_y = 8) in;
@@ -40,8 +38,7 @@ void main() {
       radiance[c] = query_radiance(max(bracket, 0), f_t, push.exit_scale);
     }
     multiple_sum += hit.weight * vec4(radiance, 1);
-    const vec3 mirrored = environment_radiance(reflect(-hit.to_eye, hit.normal), push.environment_turn);
-    surface_sum += hit.weight * vec4((1 - f_t) * mirrored, negative ? 1 : 0);
+    surface_sum += hit.weight * vec4(0, 0, 0, negative ? 1 : 0);
     fluence_sum += hit.weight * vec4(phi_here, hit.distance);
     gamma_sum += hit.weight * vec4(gamma, 1);
     normal_sum += hit.weight * vec4(hit.normal, 0);

@@ -32,22 +32,12 @@ vec3 sample_ray(CameraRays camera, uvec2 pixel, uint s) {
   return normalize(camera.forward + screen.x * camera.right + screen.y * camera.down);
 }
 
-// The first sample of `todo` and all that see the same triangle; takes them off `todo`.
-Hit next_hit(CameraRays camera, uvec2 pixel, inout uint todo) {
-  const uint samples = camera.edge * camera.edge;
-  const uint id = sample_id(camera, pixel, uint(findLSB(todo)));
-  vec2 place = vec2(0);
-  float number = 0;
-  for (uint s = 0; s < samples; ++s) {
-    if (sample_id(camera, pixel, s) != id) continue;
-    todo &= ~(1u << s);
-    place += vec2(s % camera.edge, s / camera.edge) + 0.5;
-    number += 1;
-  }
+// What of a triangle is seen at a place of the picture, in pixels; weight 1.
+Hit hit_at(CameraRays camera, uint triangle, vec2 place) {
   Hit hit;
-  hit.triangle = id - 1;
-  hit.weight = number / float(samples);
-  const vec2 screen = 2 * (vec2(pixel) + place / (number * float(camera.edge))) / vec2(camera.size) - 1;
+  hit.triangle = triangle;
+  hit.weight = 1;
+  const vec2 screen = 2 * place / vec2(camera.size) - 1;
   const vec3 ray = camera.forward + screen.x * camera.right + screen.y * camera.down;
 
   // Moeller-Trumbore, held inside the triangle, which edge-on rays would leave by rounding.
@@ -64,4 +54,27 @@ Hit next_hit(CameraRays camera, uvec2 pixel, inout uint todo) {
   hit.distance = length(to_eye);
   hit.to_eye = to_eye / hit.distance;
   return hit;
+}
+
+// The first sample of `todo` and all that see the same triangle; takes them off `todo`.
+Hit next_hit(CameraRays camera, uvec2 pixel, inout uint todo) {
+  const uint samples = camera.edge * camera.edge;
+  const uint id = sample_id(camera, pixel, uint(findLSB(todo)));
+  vec2 place = vec2(0);
+  float number = 0;
+  for (uint s = 0; s < samples; ++s) {
+    if (sample_id(camera, pixel, s) != id) continue;
+    todo &= ~(1u << s);
+    place += vec2(s % camera.edge, s / camera.edge) + 0.5;
+    number += 1;
+  }
+  Hit hit = hit_at(camera, id - 1, vec2(pixel) + place / (number * float(camera.edge)));
+  hit.weight = number / float(samples);
+  return hit;
+}
+
+// Sample `s` by itself.
+Hit sample_hit(CameraRays camera, uvec2 pixel, uint s) {
+  const vec2 place = (vec2(s % camera.edge, s / camera.edge) + 0.5) / float(camera.edge);
+  return hit_at(camera, sample_id(camera, pixel, s) - 1, vec2(pixel) + place);
 }

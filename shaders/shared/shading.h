@@ -38,7 +38,6 @@ struct TranslucentPush {
   uint first, count;  // the object's triangles
   vec3 grid_low;      // m; the fluence image's low corner
   vec3 grid_inverse;  // 1/m; one over its edge lengths
-  float environment_turn;
   float eta, A, f_dt;
   float exit_scale;   // 1 / eta^2, or 1 as printed
 };

@@ -63,6 +63,49 @@ class ShadingPicture : public GpuTest {
     bool negative = false;
   };
 
+  glm::dvec3 bracket_at(glm::dvec3 x, double eta) const {
+    const double f_dr = internal_diffuse_reflectance(eta), A = boundary_constant(f_dr);
+    glm::dvec3 bracket;
+    for (int c = 0; c < 3; ++c)
+      bracket[c] = query_bracket(static_cast<double>(phi_at(glm::vec3(x))[c]),
+                                 static_cast<double>(gamma_at(glm::vec3(x))[c]), A, 1 - f_dr);
+    return bracket;
+  }
+
+  /// What a ray brings that a smooth surface has mirrored with `share`: followed through two mirrorings.
+  void follow(const LightSamples& lights, glm::dvec3 from, glm::dvec3 ray, double share, Truth& t) const {
+    for (int order = 0; order < 2; ++order) {
+      const Seen seen = nearest_hit(scene, from, ray, -1, 1e-6);
+      if (seen.object < 0) break;
+      const Object& object = scene.objects[static_cast<std::size_t>(seen.object)];
+      glm::dvec3 n = normal_of(object, seen);
+      const bool front = glm::dot(n, ray) < 0;
+      from += seen.distance * ray;
+      if (object.role == Role::emissive) {
+        if (front || object.two_sided) t.surface += share * glm::dvec3(object.radiance);
+        return;
+      }
+      if (!front) n = -n;
+      if (object.role == Role::opaque) {
+        const Receiver here{glm::vec3(from), glm::vec3(n), 0};
+        t.surface += share / pi * glm::dvec3(object.albedo) * exact_flux(scene, lights, here, 1);
+        return;
+      }
+      const double f_t = fresnel_transmittance(-glm::dot(n, ray), object.eta);
+      for (int c = 0; c < 3; ++c)
+        t.multiple[c] += share * query_radiance(std::max(bracket_at(from, object.eta)[c], 0.0), f_t,
+                                                1 / (object.eta * object.eta));
+      share *= 1 - f_t;
+      ray -= 2 * glm::dot(n, ray) * n;
+    }
+    t.surface += share * glm::dvec3(scene.environment.radiance);
+  }
+
+  static glm::dvec3 normal_of(const Object& object, const Seen& seen) {
+    const auto corner = [&](int i) { return glm::dvec3(object.mesh.positions[seen.triangle[i]]); };
+    return glm::normalize(glm::cross(corner(1) - corner(0), corner(2) - corner(0)));
+  }
+
   /// What is seen through the point (x, y) of a picture of `size`, pixels from the top left.
   Truth trace(const LightSamples& lights, glm::ivec2 size, glm::dvec2 at) const {
     Truth t;
@@ -76,8 +119,7 @@ class ShadingPicture : public GpuTest {
       return t;
     }
     const Object& object = scene.objects[seen.object];
-    const auto corner = [&](int i) { return glm::dvec3(object.mesh.positions[seen.triangle[i]]); };
-    glm::dvec3 n = glm::normalize(glm::cross(corner(1) - corner(0), corner(2) - corner(0)));
+    glm::dvec3 n = normal_of(object, seen);
     const glm::dvec3 x = eye + seen.distance * ray;
     t.distance = seen.distance;
     const bool front = glm::dot(n, ray) < 0;
@@ -92,17 +134,16 @@ class ShadingPicture : public GpuTest {
       t.surface = glm::dvec3(object.albedo) / pi * exact_flux(scene, lights, here, 1);
       return t;
     }
-    const double eta = object.eta, f_dr = internal_diffuse_reflectance(eta), A = boundary_constant(f_dr);
-    const double f_t = fresnel_transmittance(-glm::dot(n, ray), eta);
+    const double eta = object.eta, f_t = fresnel_transmittance(-glm::dot(n, ray), eta);
     t.translucent = 1;
     t.fluence = phi_at(glm::vec3(x));
     t.gamma = gamma_at(glm::vec3(x));
-    t.surface = (1 - f_t) * glm::dvec3(scene.environment.radiance);
     for (int c = 0; c < 3; ++c) {
-      const double bracket = query_bracket(t.fluence[c], t.gamma[c], A, 1 - f_dr);
+      const double bracket = bracket_at(x, eta)[c];
       t.negative = t.negative || bracket < 0;
       t.multiple[c] = query_radiance(std::max(bracket, 0.0), f_t, 1 / (eta * eta));
     }
+    follow(lights, x, ray - 2 * glm::dot(n, ray) * n, 1 - f_t, t);
     return t;
   }
 
