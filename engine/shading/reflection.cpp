@@ -9,7 +9,7 @@
 namespace alabaster {
 
 static_assert(sizeof(MirroredObject) == 72 && sizeof(Emitter) == 44 && sizeof(GlowPush) == 28 &&
-              sizeof(ReflectionPush) == 100);
+              sizeof(ReflectionPush) == 104);
 
 namespace {
 
