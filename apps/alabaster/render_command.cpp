@@ -19,7 +19,7 @@ struct Arguments {
   std::string transport = "report", quality = "balanced", curve = "srgb";
   std::vector<std::string> components{"multiple", "surface"};
   double exposure = 0;
-  int light_samples = 0;
+  int light_samples = 0, interreflections = -1, exchange_directions = 0;
   Request request;
 };
 
@@ -36,6 +36,8 @@ Request request_of(const Arguments& a) {
   for (const std::string& name : a.components)
     request.components.insert(name == "multiple" ? Component::multiple : Component::surface);
   if (a.light_samples > 0) request.light_samples = a.light_samples;
+  if (a.interreflections >= 0) request.interreflections = a.interreflections;
+  if (a.exchange_directions > 0) request.exchange_directions = a.exchange_directions;
   return request;
 }
 
@@ -106,6 +108,14 @@ void add_render(CLI::App& app) {
       ->capture_default_str();
   command->add_option("--light-samples", a->light_samples, "points on area lights (default: by quality)")
       ->check(CLI::Range(1, 1024));
+  command
+      ->add_option("--interreflections", a->interreflections,
+                   "passes at most of light between surfaces, 0 for none (default: by quality)")
+      ->check(CLI::Range(0, 100));
+  command
+      ->add_option("--exchange-directions", a->exchange_directions,
+                   "in which each facet looks for other surfaces (default: by quality)")
+      ->check(CLI::Range(4, 1024));
   command->add_option("--device", a->device, "part of a Vulkan device's name (default: the best)");
   command->callback([a] { run(*a); });
 }

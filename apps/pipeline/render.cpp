@@ -100,6 +100,72 @@ void solve(gpu::Context& context, const Lighting& lighting, Body& body, double e
   commands.submit();
 }
 
+using Bodies = std::vector<std::unique_ptr<Body>>;
+
+void report_on(const Object& object, const Body& body, int channels, RenderResult& result) {
+  ObjectReport& report = result.objects.back();
+  report.name = object.name;
+  report.cells = body.domain.frame.cells;
+  report.domain = body.domain.summary;
+  report.levels = static_cast<int>(body.diffusion->multigrid().levels().size());
+  report.channels = channels;
+  for (const std::string& warning : body.domain.warnings) result.warnings.push_back(object.name + ": " + warning);
+  if (!report.solver.converged) result.warnings.push_back(object.name + ": " + report.solver.reason);
+}
+
+/// What the lights send to the facets. The environment is left out: light between surfaces sees to it.
+void gather_lights(gpu::Context& context, const Lighting& lighting, const std::vector<LitBody>& bodies) {
+  gpu::Commands commands(context);
+  for (const LitBody& body : bodies) {
+    body.source.record_direct(commands, lighting, body.eta, false);
+    body.source.record_source(commands, body.diffusion.facet_medium());
+  }
+  commands.submit();
+}
+
+/// What enters again is in neither `in` nor `out`.
+void report_exchange(const Interreflections& passes, RenderResult& result) {
+  result.exchange = passes.report();
+  for (std::size_t i = 0; i < result.objects.size(); ++i) {
+    ObjectReport& report = result.objects[i];
+    report.reentered = passes.reentered(i);
+    report.energy.in = passes.from_lights(i);
+    report.energy.out -= report.reentered;
+  }
+}
+
+/// Gamma_s and fluence of all bodies, with the light that surfaces send each other.
+void solve_together(gpu::Context& context, const Scene& scene, const Lighting& lighting, const Plan& plan,
+                    const Bodies& bodies, RenderResult& result) {
+  std::vector<LitBody> lit;
+  for (const auto& body : bodies)
+    lit.push_back({static_cast<int>(body->object), scene.objects[body->object].eta, body->domain, *body->diffusion,
+                   *body->source});
+  {
+    Stage stage(result, "gamma_s");
+    gather_lights(context, lighting, lit);
+  }
+  std::unique_ptr<Interreflections> passes;
+  {
+    Stage stage(result, "links");
+    passes = std::make_unique<Interreflections>(context, scene, lighting, plan, lit);
+  }
+  {
+    Stage stage(result, "interreflections");
+    passes->approach();
+  }
+  for (std::size_t i = 0; i < lit.size(); ++i) {
+    Stage stage(result, "solve");
+    ObjectReport& report = result.objects.emplace_back();
+    report.solver = lit[i].diffusion.solve(lit[i].light());
+    report.energy = lit[i].diffusion.energy(lit[i].light());
+    report_on(scene.objects[lit[i].object], *bodies[i], plan.channels, result);
+  }
+  Stage stage(result, "interreflections");
+  passes->settle();
+  report_exchange(*passes, result);
+}
+
 /// R, G, B become the sum of the wanted layers; the others' planes are emptied.
 void keep_components(const std::set<Component>& wanted, Picture& picture) {
   for (Component component : {Component::multiple, Component::surface}) {
@@ -111,17 +177,6 @@ void keep_components(const std::set<Component>& wanted, Picture& picture) {
       std::fill(layer.begin(), layer.end(), 0.0f);
     }
   }
-}
-
-void report_on(const Object& object, const Body& body, int channels, RenderResult& result) {
-  ObjectReport& report = result.objects.back();
-  report.name = object.name;
-  report.cells = body.domain.frame.cells;
-  report.domain = body.domain.summary;
-  report.levels = static_cast<int>(body.diffusion->multigrid().levels().size());
-  report.channels = channels;
-  for (const std::string& warning : body.domain.warnings) result.warnings.push_back(object.name + ": " + warning);
-  if (!report.solver.converged) result.warnings.push_back(object.name + ": " + report.solver.reason);
 }
 
 }  // namespace
@@ -154,7 +209,7 @@ RenderResult render_scene(gpu::Context& context, const Scene& scene, const Plan&
 
   SolverOptions options;
   options.tolerance = plan.tolerance;
-  std::vector<std::unique_ptr<Body>> bodies;
+  Bodies bodies;
   for (std::size_t i = 0; i < scene.objects.size(); ++i) {
     const Object& object = scene.objects[i];
     if (object.role != Role::translucent) continue;
@@ -178,8 +233,14 @@ RenderResult render_scene(gpu::Context& context, const Scene& scene, const Plan&
       if (plan.transport == Transport::gather)
         body.gather = std::make_unique<GatherExit>(context, body.domain, *body.diffusion, *body.beam, object.eta);
     }
-    solve(context, *lighting, body, object.eta, result);
-    report_on(object, body, plan.channels, result);
+  }
+  if (plan.interreflections > 0 && !bodies.empty()) {
+    solve_together(context, scene, *lighting, plan, bodies, result);
+  } else {
+    for (const auto& body : bodies) {
+      solve(context, *lighting, *body, scene.objects[body->object].eta, result);
+      report_on(scene.objects[body->object], *body, plan.channels, result);
+    }
   }
 
   Stage stage(result, "shade");

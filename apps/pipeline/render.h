@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "diffusion/diffusion.h"
+#include "pipeline/interreflections.h"
 #include "planner/plan.h"
 #include "shading/shading.h"
 
@@ -19,12 +20,16 @@ struct ObjectReport {
   int levels = 0;
   int channels = 3;
   SolverStatus solver;
-  EnergyBalance energy;  // W
+  // W. in: from the lamps and the environment; out: for good, that is what leaves less what enters an object again.
+  // The imbalance holds what was still under way between surfaces when the passes ended.
+  EnergyBalance energy;
+  glm::dvec3 reentered{0};  // W, of the light that left this object or another, or an opaque surface reflected
 };
 
 struct RenderResult {
   ShadedPicture shaded;
   std::vector<ObjectReport> objects;
+  ExchangeReport exchange;
   std::map<std::string, double> stages;  // wall-clock milliseconds, by stage
   std::vector<std::string> warnings;
 };

@@ -38,7 +38,8 @@ json objects_json(const RenderResult& result) {
                     {"volume", o.domain.volume},
                     {"area", o.domain.area},
                     {"solver", solver_json(o)},
-                    {"energy", energy_json(o.energy)}});
+                    {"energy", energy_json(o.energy)},
+                    {"reentered", rgb(o.reentered)}});
   return list;
 }
 
@@ -57,13 +58,16 @@ json total_solver(const RenderResult& result) {
 
 json total_energy(const RenderResult& result) {
   EnergyBalance total;
+  glm::dvec3 reentered(0);
   double worst = 0;
   for (const ObjectReport& o : result.objects) {
+    reentered += o.reentered;
     total.in += o.energy.in, total.absorbed += o.energy.absorbed, total.out += o.energy.out;
     worst = std::max(worst, o.energy.imbalance());
   }
   json result_json = energy_json(total);
   result_json["imbalance"] = worst;
+  result_json["reentered"] = rgb(reentered);
   return result_json;
 }
 
@@ -80,7 +84,19 @@ json plan_json(const Plan& plan) {
           {"light_samples", plan.light_samples},
           {"environment_samples", plan.environment_samples},
           {"shadow_map_size", plan.shadow_map_size},
+          {"interreflections", plan.interreflections},
+          {"exchange_directions", plan.exchange_directions},
           {"reasons", plan.reasons}};
+}
+
+json exchange_json(const ExchangeReport& e) {
+  return {{"passes", e.passes},
+          {"directions", e.directions},
+          {"under_way", e.under_way},
+          {"rays", e.counts.rays},
+          {"met_translucent", e.counts.translucent},
+          {"met_opaque", e.counts.opaque},
+          {"lost", e.counts.lost}};
 }
 
 }  // namespace
@@ -90,6 +106,7 @@ json stats_json(const RenderResult& result, const Plan& plan, const gpu::Context
           {"passes", context.timings()},
           {"solver", total_solver(result)},
           {"energy", total_energy(result)},
+          {"exchange", exchange_json(result.exchange)},
           {"negative", {{"count", result.shaded.negative_pixels}, {"share", result.shaded.negative_share}}},
           {"plan", plan_json(plan)},
           {"objects", objects_json(result)},

@@ -13,6 +13,12 @@ struct EnergyPush {
   int partials_per_channel;
 };
 
+struct ExitPush {
+  SurfacePush surface;
+  float exit_scale;
+  std::uint32_t first;
+};
+
 TileList tile_list(gpu::Context& context, const Domain& domain) {
   const glm::ivec3 counts = tile_counts(domain.frame);
   std::vector<std::uint32_t> tiles = gpu::download<std::uint32_t>(context, domain.tiles);
@@ -42,7 +48,8 @@ FluencePasses::FluencePasses(gpu::Context& c)
       absorbed{c, "diffusion/absorbed.comp", {1}},
       energy{c, "diffusion/energy.comp"},
       gradient{c, "diffusion/gradient.comp"},
-      surface{c, "diffusion/surface.comp"} {}
+      surface{c, "diffusion/surface.comp"},
+      exit{c, "diffusion/exit.comp"} {}
 
 double EnergyBalance::imbalance() const {
   double worst = 0;
@@ -217,6 +224,33 @@ SolverStatus Diffusion::solve(const FacetLight& light) {
   record_surface(commands, light);
   commands.submit();
   return status;
+}
+
+SolverStatus Diffusion::approach(const FacetLight& light, double tolerance) {
+  const bool warm = adopt_light(light);
+  gpu::Commands before(context_);
+  record_rescale(before);
+  record_source(before, light, options_.corrections > 0 && warm);
+  before.submit();
+  const SolverStatus status = pcg_.solve(tolerance);
+  gpu::Commands after(context_);
+  record_gradients(after, light);
+  after.submit();
+  return status;
+}
+
+void Diffusion::record_exit(gpu::Commands& commands, const FacetLight& light, double exit_scale,
+                            const gpu::Buffer& radiance, std::uint32_t first) {
+  commands.dispatch(passes_.exit, {2 * cut_count_, 1, 1},
+                    {{"cut_index", domain_.cut_index},
+                     {"cut_cells", domain_.cut_cells},
+                     {"gamma_s", light.gamma_s},
+                     {"facets", facets_},
+                     {"scales", scales_},
+                     {"phi", pcg_.solution()},
+                     {"facet_offsets", facet_offsets_},
+                     {"transmitted", radiance}},
+                    ExitPush{surface_push(light.sides), static_cast<float>(exit_scale), first});
 }
 
 EnergyBalance Diffusion::energy(const FacetLight& light) {

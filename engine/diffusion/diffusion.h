@@ -11,8 +11,8 @@ namespace alabaster {
 /// The passes around the linear solver, made once a context.
 struct FluencePasses {
   explicit FluencePasses(gpu::Context& context);
-  gpu::Pass assemble, scale, facets[2], source[2][2], rescale, absorbed, energy, gradient,
-      surface;  // [corrected][in cells]
+  gpu::Pass assemble, scale, facets[2], source[2][2], rescale, absorbed, energy, gradient, surface,
+      exit;  // [corrected][in cells]
 };
 
 /// Where a channel's light went, W: in = integral Gamma_s; absorbed = integral sigma_a phi; out = what the render query
@@ -47,6 +47,16 @@ class Diffusion {
 
   /// Starts from the solution of before where there is one. Then makes surface() and surface_gamma().
   SolverStatus solve(const FacetLight& light);
+
+  /// One step of solve(), to the relative residual `tolerance`, for light that is not final yet: makes neither
+  /// surface() nor surface_gamma().
+  SolverStatus approach(const FacetLight& light, double tolerance);
+
+  /// Radiance over F_t that leaves each side of each cut cell, W/m^2/sr: the query's bracket times exit_scale / (4 pi),
+  /// into the vec3 `radiance[first + 2 * cut cell + side]`. exit_scale is 1 / eta^2. Of the last solve or approach, for
+  /// light with two sides.
+  void record_exit(gpu::Commands& commands, const FacetLight& light, double exit_scale, const gpu::Buffer& radiance,
+                   std::uint32_t first);
 
   /// Of the last solve.
   EnergyBalance energy(const FacetLight& light);

@@ -17,14 +17,25 @@ class FacetSource {
   /// recorded before.
   void record(gpu::Commands& commands, const Lighting& lighting, const gpu::Buffer& media, double eta) const;
 
+  /// record() in two steps, so that light from other surfaces can be added to flux() between them (exchange.h): what
+  /// the lights send into direct() (the environment may be left out), copied to flux(); then Gamma_s from flux().
+  void record_direct(gpu::Commands& commands, const Lighting& lighting, double eta, bool environment = true) const;
+  void record_source(gpu::Commands& commands, const gpu::Buffer& media) const;
+
   /// W/m^2, two vec3 an entry of Domain::cut_cells, one for each side of its surface.
   const gpu::Buffer& gamma_s() const { return gamma_s_; }
+  /// W/m^2 that enter, in the same form, before they are weakened by the medium.
+  const gpu::Buffer& direct() const { return direct_; }
+  const gpu::Buffer& flux() const { return flux_; }
+  /// Receiver (shared/lighting.h) of each of them; filled by record_direct().
+  const gpu::Buffer& receivers() const { return receivers_; }
+  std::uint32_t count() const { return 2 * count_; }
 
  private:
   const Domain& domain_;
   std::uint32_t count_;  // entries of Domain::cut_cells
   gpu::Pass receivers_pass_, source_pass_;
-  gpu::Buffer receivers_, flux_, gamma_s_;
+  gpu::Buffer receivers_, direct_, flux_, gamma_s_;
 };
 
 }  // namespace alabaster

@@ -141,13 +141,14 @@ void Lighting::record_shadow_maps(gpu::Commands& commands) const {
 }
 
 void Lighting::record_gather(gpu::Commands& commands, const gpu::Buffer& receivers, std::uint32_t count, double eta,
-                             const gpu::Buffer& flux) const {
+                             const gpu::Buffer& flux, bool environment) const {
   const auto timer = commands.time("gather");
   gpu::Bindings all = bindings();
   all.push_back({"receivers", receivers});
   all.push_back({"flux", flux});
-  commands.dispatch(gather_, {count, 1, 1}, all,
-                    GatherPush{count, static_cast<float>(eta), static_cast<float>(1 - diffuse_reflectance(eta))});
+  commands.dispatch(
+      gather_, {count, 1, 1}, all,
+      GatherPush{count, static_cast<float>(eta), static_cast<float>(1 - diffuse_reflectance(eta)), environment});
 }
 
 gpu::Bindings Lighting::bindings() const {

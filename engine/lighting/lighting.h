@@ -26,9 +26,10 @@ class Lighting {
 
   /// flux[i] = integral F_t(w) L (n.w) dw at receivers[i], W/m^2 per channel: Gamma_s of the report's Eq. 5 without the
   /// factor exp(-sigma_a / sigma_s'). `receivers` holds `count` Receiver (shared/lighting.h), `flux` as many vec3.
-  /// `eta` is index inside / outside of their surface; with 1 it is plain irradiance. Stage "gather".
+  /// `eta` is index inside / outside of their surface; with 1 it is plain irradiance. The environment may be left out.
+  /// Stage "gather".
   void record_gather(gpu::Commands& commands, const gpu::Buffer& receivers, std::uint32_t count, double eta,
-                     const gpu::Buffer& flux) const;
+                     const gpu::Buffer& flux, bool environment = true) const;
 
   /// What a shader that includes lighting/gather.glsl needs.
   gpu::Bindings bindings() const;

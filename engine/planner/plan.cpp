@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "domain/grid_frame.h"
+#include "scene/convex.h"
 #include "scene/error.h"
 #include "scene/inside.h"
 
@@ -29,6 +30,7 @@ bool is_grey(glm::dvec3 c) { return c.r == c.g && c.g == c.b; }
 /// One solve serves all three channels where neither a material nor a light has colour.
 bool is_grey(const Scene& scene) {
   for (const Object& object : scene.objects) {
+    if (object.role == Role::opaque && !is_grey(object.albedo)) return false;  // it lights the translucent ones
     if (object.role == Role::emissive && !is_grey(object.radiance)) return false;
     if (object.role != Role::translucent) continue;
     if (!object.medium.grey()) return false;
@@ -81,6 +83,37 @@ int choose_grid(const Scene& scene, const Request& request, Plan& plan, std::uin
   return grid;
 }
 
+/// Why there is no light between surfaces to follow; empty where there is.
+std::string without_exchange(const Scene& scene, Transport transport) {
+  if (transport == Transport::as_printed) return "the report as printed has none";
+  if (transport != Transport::report) return std::string("not followed yet with --transport ") + name_of(transport);
+  const Object* alone = nullptr;
+  for (const Object& object : scene.objects) {
+    if (object.role == Role::emissive || (object.role == Role::opaque && object.albedo == glm::vec3(0))) continue;
+    if (object.role == Role::opaque || alone) return "";
+    alone = &object;
+  }
+  return alone && is_convex(alone->mesh) ? "the one object is convex" : "";
+}
+
+void plan_interreflections(const Scene& scene, const Request& request, Plan& plan) {
+  if (request.interreflections.value_or(0) < 0 || request.interreflections.value_or(0) > 100)
+    throw UserError("--interreflections " + std::to_string(*request.interreflections) + ": choose 0 to 100 passes");
+  const bool preview = request.quality == Quality::preview;
+  plan.exchange_directions = request.exchange_directions.value_or(preview                                ? 16
+                                                                  : request.quality == Quality::accurate ? 64
+                                                                                                         : 32);
+  plan.interreflections = request.interreflections.value_or(preview ? 2 : 12);
+  const std::string none = without_exchange(scene, request.transport);
+  if (!none.empty()) plan.interreflections = 0;
+  plan.reasons.push_back(!none.empty() ? "no light between surfaces: " + none
+                         : plan.interreflections == 0
+                             ? "no light between surfaces: --interreflections 0"
+                             : "light between surfaces: at most " + std::to_string(plan.interreflections) +
+                                   " passes, " + std::to_string(plan.exchange_directions) +
+                                   " directions a facet; --interreflections and --exchange-directions set others");
+}
+
 }  // namespace
 
 const char* name_of(Transport transport) { return transport_names[static_cast<int>(transport)]; }
@@ -108,7 +141,13 @@ Plan make_plan(const Scene& scene, const Request& request, std::uint64_t heap_by
   plan.grid = choose_grid(scene, request, plan, heap_bytes);
   const int usual = request.quality == Quality::preview ? 8 : request.quality == Quality::accurate ? 128 : 32;
   plan.light_samples = request.light_samples.value_or(usual);
-  plan.environment_samples = scene.environment.dark() ? 0 : 2 * usual;
+  plan_interreflections(scene, request, plan);
+  const bool opaque = std::any_of(scene.objects.begin(), scene.objects.end(),
+                                  [](const Object& object) { return object.role == Role::opaque; });
+  // The directions of light between surfaces see to the environment, too.
+  const bool looked_up = plan.interreflections == 0 || opaque;
+  const bool by_maps = scene.environment.picture || looked_up;
+  plan.environment_samples = scene.environment.dark() || !by_maps ? 0 : 2 * usual;
   plan.reasons.push_back(
       "surface reflection: by rays to lights, objects and the environment, followed through two mirrorings");
   return plan;

@@ -35,6 +35,8 @@ struct Request {
   std::set<Component> components{Component::multiple, Component::surface};
   Quality quality = Quality::balanced;
   std::optional<int> light_samples;
+  std::optional<int> interreflections;     // passes at most; 0: none
+  std::optional<int> exchange_directions;  // of each facet
 };
 
 struct Plan {
@@ -48,6 +50,10 @@ struct Plan {
   int light_samples = 0;        // points on area lights, where there are any
   int environment_samples = 0;  // directions in which the environment's occlusion is looked up; 0 without environment
   int shadow_map_size = 512;    // texels
+  // Light between surfaces: passes at most (it stops when what is still under way is below 1e-4 of the light) and
+  // directions of each facet.
+  int interreflections = 0;
+  int exchange_directions = 32;
   std::vector<std::string> reasons;  // one line each
 };
 

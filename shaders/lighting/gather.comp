@@ -11,5 +11,6 @@ void main() {
   const uint i = gl_GlobalInvocationID.x;
   if (i >= push.receivers) return;
   const Receiver r = receivers[i];
-  flux[i] = gather(r.position, r.normal, r.slack, push.eta, push.f_dt_outer);
+  flux[i] = push.environment != 0 ? gather(r.position, r.normal, r.slack, push.eta, push.f_dt_outer)
+                                  : gather_points(r.position, r.normal, r.slack, push.eta, 0, 1);
 }

@@ -64,6 +64,7 @@ struct GatherPush {
   uint receivers;
   float eta;         // index inside / outside; 1 gathers plain irradiance
   float f_dt_outer;  // 1 - F_dr of diffuse light from outside
+  uint environment;  // 0: leave it out
 };
 
 // The surface pieces of a domain's cut cells as receivers.

@@ -1,0 +1,90 @@
+#include "pipeline/interreflections.h"
+
+#include <algorithm>
+
+namespace alabaster {
+namespace {
+
+// The passes end when what surfaces send each other changes by less than this share of the light.
+constexpr double exchange_tolerance = 3e-5;
+// The solver's residual in a pass, of the change in the pass before.
+constexpr double residual_share = 0.02;
+
+std::vector<ExchangeBody> exchange_bodies(const std::vector<LitBody>& bodies) {
+  std::vector<ExchangeBody> result;
+  for (const LitBody& body : bodies) result.push_back({body.object, body.domain, body.source, body.eta});
+  return result;
+}
+
+}  // namespace
+
+Interreflections::Interreflections(gpu::Context& context, const Scene& scene, const Lighting& lighting,
+                                   const Plan& plan, std::vector<LitBody> bodies)
+    : context_(context),
+      plan_(plan),
+      bodies_(std::move(bodies)),
+      exchange_(context, scene, lighting, exchange_bodies(bodies_), {plan.exchange_directions}) {
+  report_.directions = exchange_.directions();
+  report_.counts = exchange_.counts();
+  gather();
+  from_lights_ = entered_ = entering();
+}
+
+void Interreflections::gather() {
+  gpu::Commands commands(context_);
+  for (std::size_t i = 0; i < bodies_.size(); ++i) {
+    exchange_.record_gather(commands, i);
+    bodies_[i].source.record_source(commands, bodies_[i].diffusion.facet_medium());
+  }
+  commands.submit();
+  exchange_.next_pass();
+}
+
+void Interreflections::send() {
+  gpu::Commands commands(context_);
+  for (std::size_t i = 0; i < bodies_.size(); ++i)
+    bodies_[i].diffusion.record_exit(commands, bodies_[i].light(), 1 / (bodies_[i].eta * bodies_[i].eta),
+                                     exchange_.transmitted(), exchange_.first(i));
+  commands.submit();
+}
+
+std::vector<glm::dvec3> Interreflections::entering() const {
+  std::vector<glm::dvec3> total;
+  for (std::size_t i = 0; i < bodies_.size(); ++i) total.push_back(exchange_.total(i, bodies_[i].source.gamma_s()));
+  return total;
+}
+
+/// Returns the change, of what the lights alone send to all bodies together.
+double Interreflections::adopt(std::vector<glm::dvec3> entered) {
+  glm::dvec3 all(0), moved(0);
+  for (std::size_t i = 0; i < bodies_.size(); ++i) {
+    all += from_lights_[i];
+    moved += glm::abs(entered[i] - entered_[i]);
+  }
+  entered_ = std::move(entered);
+  double largest = 0;
+  for (int c = 0; c < 3; ++c)
+    if (all[c] > 0) largest = std::max(largest, moved[c] / all[c]);
+  return largest;
+}
+
+void Interreflections::approach() {
+  if (report_.counts.translucent == 0) return;
+  double moved = 1;
+  for (; report_.passes < plan_.interreflections && moved > exchange_tolerance; ++report_.passes) {
+    for (const LitBody& body : bodies_)
+      body.diffusion.approach(body.light(), std::max(plan_.tolerance, residual_share * moved));
+    send();
+    gather();
+    moved = adopt(entering());
+  }
+}
+
+void Interreflections::settle() {
+  if (report_.counts.translucent == 0) return;
+  send();
+  gather();
+  report_.under_way = adopt(entering());
+}
+
+}  // namespace alabaster
