@@ -6,13 +6,11 @@ namespace alabaster {
 
 FacetSource::FacetSource(gpu::Context& context, const Domain& domain)
     : domain_(domain),
-      count_(domain.summary.cut_cells + 1),
-      receivers_pass_(context, "lighting/facet_receivers.comp"),
+      receivers_(context, domain),
       source_pass_(context, "lighting/facet_source.comp"),
-      receivers_(context, 2 * count_ * sizeof(Receiver), "facet receivers"),
-      direct_(context, 2 * count_ * sizeof(glm::vec3), "facet flux of the lights"),
-      flux_(context, 2 * count_ * sizeof(glm::vec3), "facet flux"),
-      gamma_s_(context, 2 * count_ * sizeof(glm::vec3), "facet Gamma_s") {}
+      direct_(context, count() * sizeof(glm::vec3), "facet flux of the lights"),
+      flux_(context, count() * sizeof(glm::vec3), "facet flux"),
+      gamma_s_(context, count() * sizeof(glm::vec3), "facet Gamma_s") {}
 
 void FacetSource::record(gpu::Commands& commands, const Lighting& lighting, const gpu::Buffer& media,
                          double eta) const {
@@ -21,16 +19,14 @@ void FacetSource::record(gpu::Commands& commands, const Lighting& lighting, cons
 }
 
 void FacetSource::record_direct(gpu::Commands& commands, const Lighting& lighting, double eta, bool environment) const {
-  const FacetPush push{domain_.frame.origin, domain_.frame.h, count_};
-  commands.dispatch(receivers_pass_, {2 * count_, 1, 1}, {{"cut_cells", domain_.cut_cells}, {"receivers", receivers_}},
-                    push);
-  lighting.record_gather(commands, receivers_, 2 * count_, eta, direct_, environment);
+  receivers_.record(commands);
+  lighting.record_gather(commands, receivers_.buffer(), count(), eta, direct_, environment);
   commands.copy(direct_, flux_, direct_.bytes());
 }
 
 void FacetSource::record_source(gpu::Commands& commands, const gpu::Buffer& media) const {
-  const FacetPush push{domain_.frame.origin, domain_.frame.h, count_};
-  commands.dispatch(source_pass_, {2 * count_, 1, 1}, {{"flux", flux_}, {"media", media}, {"gamma_s", gamma_s_}}, push);
+  const FacetPush push{domain_.frame.origin, domain_.frame.h, count() / 2};
+  commands.dispatch(source_pass_, {count(), 1, 1}, {{"flux", flux_}, {"media", media}, {"gamma_s", gamma_s_}}, push);
 }
 
 }  // namespace alabaster

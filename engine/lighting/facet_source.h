@@ -3,6 +3,7 @@
 
 #include "domain/domain.h"
 #include "gpu/commands.h"
+#include "lighting/facet_receivers.h"
 #include "lighting/lighting.h"
 
 namespace alabaster {
@@ -28,14 +29,14 @@ class FacetSource {
   const gpu::Buffer& direct() const { return direct_; }
   const gpu::Buffer& flux() const { return flux_; }
   /// Receiver (shared/lighting.h) of each of them; filled by record_direct().
-  const gpu::Buffer& receivers() const { return receivers_; }
-  std::uint32_t count() const { return 2 * count_; }
+  const gpu::Buffer& receivers() const { return receivers_.buffer(); }
+  std::uint32_t count() const { return receivers_.count(); }
 
  private:
   const Domain& domain_;
-  std::uint32_t count_;  // entries of Domain::cut_cells
-  gpu::Pass receivers_pass_, source_pass_;
-  gpu::Buffer receivers_, direct_, flux_, gamma_s_;
+  FacetReceivers receivers_;
+  gpu::Pass source_pass_;
+  gpu::Buffer direct_, flux_, gamma_s_;
 };
 
 }  // namespace alabaster
