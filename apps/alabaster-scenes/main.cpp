@@ -16,7 +16,9 @@ int main(int count, char** arguments) {
   app.add_option("OUTDIR", folder, "folder to write to; made if it is not there")->required();
   app.add_option("--names", names, "scenes to make, with commas between them (default: all)")->delimiter(',');
   app.add_option("--meshes", meshes, "folder of the OFF meshes (default: build/meshes)");
-  app.footer("Scenes:" + known + "\n  MESH-Nmfp-ALBEDO-ETA, for example bunny-50mfp-0.99-1.3");
+  app.footer("Scenes:" + known +
+             "\n  MESH-Nmfp-ALBEDO-ETA, for example bunny-50mfp-0.99-1.3"
+             "\n  MESH-MATERIAL-Nmfp-ETA, for example dragon-marble-50mfp-1.3; homogeneous, marble or checker");
   try {
     app.parse(count, arguments);
   } catch (const CLI::ParseError& error) {

@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <functional>
+#include <optional>
 
 #include "scene/depth.h"
 #include "scene/error.h"
@@ -19,7 +20,8 @@ namespace alabaster {
 namespace {
 
 constexpr double height = 0.1;  // m
-constexpr float gap = 2e-4f;    // m below the object, lest two surfaces lie in one plane
+const glm::dvec3 study_albedo(0.999, 0.99, 0.95);
+constexpr float gap = 2e-4f;  // m below the object, lest two surfaces lie in one plane
 
 enum class Light { front, back, furnace, punctual };
 
@@ -48,6 +50,24 @@ std::function<Medium(const Bounds&)> procedural(std::uint32_t kind) {
     Medium medium;
     medium.solid = std::make_shared<ProceduralSolid>(usual_solid(kind));
     medium.world_to_box = place_pattern({}, bounds, kind);
+    return medium;
+  };
+}
+
+/// Of the studies of transports: one coefficient of extinction, 1/m, or its contrasts; reduced albedos of 0.95 and
+/// more.
+std::function<Medium(const Bounds&)> study_medium(const std::string& material, double sigma_t) {
+  const auto part = [sigma_t](double share, glm::dvec3 albedo) {
+    return SolidPart{sigma_t * share * albedo, sigma_t * share * (1.0 - albedo)};
+  };
+  if (material == "homogeneous") return homogeneous(sigma_t * study_albedo, sigma_t * (1.0 - study_albedo));
+  const std::uint32_t kind = material == "marble" ? solid_marble : solid_checker;
+  return [=](const Bounds& bounds) {
+    Medium medium = procedural(kind)(bounds);
+    ProceduralSolid solid = *medium.solid;
+    solid.parts[0] = solid.parts[2] = part(1, glm::dvec3(0.999));
+    solid.parts[1] = part(kind == solid_marble ? 0.6 : 0.25, {0.99, 0.97, 0.95});
+    medium.solid = std::make_shared<ProceduralSolid>(solid);
     return medium;
   };
 }
@@ -178,6 +198,30 @@ Scene made(const Recipe& recipe, const std::string& folder) {
   return scene;
 }
 
+bool all_read(const std::string& text, int used) { return std::size_t(used) == text.size(); }
+
+/// Studies compare the object alone: no ground. Those of materials light the dragon and the thin plate from behind.
+std::optional<Recipe> study_recipe(const std::string& name) {
+  char mesh[32], material[32];
+  double paths, albedo, eta;
+  int used = 0;
+  const auto sane = [&] { return paths > 0 && eta > 0 && std::isfinite(paths + eta); };
+  if (std::sscanf(name.c_str(), "%31[a-z]-%lfmfp-%lf-%lf%n", mesh, &paths, &albedo, &eta, &used) == 4 &&
+      all_read(name, used) && sane() && albedo >= 0 && albedo <= 1) {
+    const double sigma_t = paths / height;
+    return Recipe{name, mesh, Light::front, eta,
+                  homogeneous(glm::dvec3(sigma_t * albedo), glm::dvec3(sigma_t * (1 - albedo)))};
+  }
+  if (std::sscanf(name.c_str(), "%31[a-z]-%31[a-z]-%lfmfp-%lf%n", mesh, material, &paths, &eta, &used) == 4 &&
+      all_read(name, used) && sane()) {
+    const std::string made_of = material, shape = mesh;
+    if (made_of == "homogeneous" || made_of == "marble" || made_of == "checker")
+      return Recipe{name, mesh, shape == "dragon" || shape == "plate" ? Light::back : Light::front, eta,
+                    study_medium(made_of, paths / height)};
+  }
+  return std::nullopt;
+}
+
 }  // namespace
 
 std::vector<std::string> demo_scene_names() {
@@ -193,20 +237,11 @@ Scene demo_scene(const std::string& name, const std::string& mesh_folder) {
       if (recipe.light != Light::furnace) scene.objects.push_back(ground());
       return scene;
     }
-  char mesh[32];
-  double paths, albedo, eta;
-  int used = 0;
-  bool study = std::sscanf(name.c_str(), "%31[a-z]-%lfmfp-%lf-%lf%n", mesh, &paths, &albedo, &eta, &used) == 4 &&
-               std::size_t(used) == name.size();
-  if (!study || !(paths > 0) || !(albedo >= 0 && albedo <= 1) || !(eta > 0) || !std::isfinite(paths + eta)) {
-    std::string known;
-    for (const std::string& other : demo_scene_names()) known += other + ", ";
-    throw UserError("scene '" + name + "' is not known; use " + known + "or MESH-Nmfp-ALBEDO-ETA");
-  }
-  double sigma_t = paths / height;
-  Recipe recipe{name, mesh, Light::front, eta,
-                homogeneous(glm::dvec3(sigma_t * albedo), glm::dvec3(sigma_t * (1 - albedo)))};
-  return made(recipe, mesh_folder);  // studies compare the object alone: no ground
+  if (const std::optional<Recipe> study = study_recipe(name)) return made(*study, mesh_folder);
+  std::string known;
+  for (const std::string& other : demo_scene_names()) known += other + ", ";
+  throw UserError("scene '" + name + "' is not known; use " + known +
+                  "MESH-Nmfp-ALBEDO-ETA or MESH-MATERIAL-Nmfp-ETA (homogeneous, marble, checker)");
 }
 
 }  // namespace alabaster

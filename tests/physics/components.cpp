@@ -1,7 +1,6 @@
 // What --components leaves out is out of the picture, and what it leaves adds up.
-#include "support/furnace.h"
-
 #include "support/device.h"
+#include "support/furnace.h"
 
 namespace alabaster {
 namespace {
@@ -19,7 +18,8 @@ class Components : public GpuTest {
 };
 
 TEST_F(Components, ChosenOnesAddUpToThePicture) {
-  const Picture all = render({Component::multiple, Component::surface}), inner = render({Component::multiple}), mirrored = render({Component::surface});
+  const Picture all = render({Component::multiple, Component::surface}), inner = render({Component::multiple}),
+                mirrored = render({Component::surface});
   double inner_sum = 0, mirrored_sum = 0;
   for (std::size_t i = 0; i < all.channels.at("G").size(); ++i) {
     EXPECT_NEAR(inner.channels.at("G")[i] + mirrored.channels.at("G")[i], all.channels.at("G")[i], 1e-5);

@@ -7,6 +7,7 @@
 #include "scene/load.h"
 #include "scene/marble.h"
 #include "scene/off.h"
+#include "scene/procedural.h"
 #include "scene/shapes.h"
 #include "scene/write_gltf.h"
 #include "support/temp_folder.h"
@@ -49,6 +50,25 @@ TEST(DemoScenes, StudyNamesSayTheMedium) {
   EXPECT_EQ(ball.eta, 1.3);
   for (const char* name :
        {"sphere-50mfp-0.99", "sphere-0mfp-0.99-1.3", "sphere-5mfp-1.99-1.3", "cow-5mfp-0.9-1", "sphere", ""})
+    EXPECT_THROW(demo_scene(name, "nowhere"), UserError) << name;
+}
+
+TEST(DemoScenes, StudiesOfMaterialsMeasureThemInMeanFreePaths) {
+  const glm::vec3 sigma_t(500);
+  const Object plain = demo_scene("torus-homogeneous-50mfp-1.3", "nowhere").objects[0];
+  EXPECT_EQ(glm::vec3(plain.medium.homogeneous.sigma_s + plain.medium.homogeneous.sigma_a), sigma_t);
+  for (const char* material : {"marble", "checker"}) {
+    const Scene scene = demo_scene(std::string("torus-") + material + "-50mfp-1.3", "nowhere");
+    const ProceduralSolid& solid = *scene.objects[0].medium.solid;
+    for (int c = 0; c < 3; ++c) {
+      EXPECT_NEAR(solid.parts[0].sigma_s[c] + solid.parts[0].sigma_a[c], sigma_t[c], 1e-3);
+      EXPECT_LT(solid.parts[1].sigma_s[c] + solid.parts[1].sigma_a[c], sigma_t[c]);
+      for (const SolidPart& part : solid.parts)
+        EXPECT_GE(part.sigma_s[c], 0.9499 * (part.sigma_s[c] + part.sigma_a[c]));
+    }
+    EXPECT_EQ(scene.objects.size(), 3u) << "the object and two lamps, no ground";
+  }
+  for (const char* name : {"torus-gold-50mfp-1.3", "torus-marble-0mfp-1.3", "torus-marble-50mfp"})
     EXPECT_THROW(demo_scene(name, "nowhere"), UserError) << name;
 }
 
