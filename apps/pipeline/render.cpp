@@ -31,6 +31,7 @@ struct Body {
   std::unique_ptr<Diffusion> diffusion;
   std::unique_ptr<BodyLight> light;
   std::unique_ptr<GatherExit> gather;
+  std::unique_ptr<Straight> straight;
 };
 using Bodies = std::vector<std::unique_ptr<Body>>;
 
@@ -189,6 +190,8 @@ RenderResult render_scene(gpu::Context& context, const Scene& scene, const Plan&
       body.diffusion = std::make_unique<Diffusion>(context, *solver_passes, *fluence_passes, body.domain, medium,
                                                    object.eta, options);
       body.light = std::make_unique<BodyLight>(context, plan.transport, body.domain, *body.diffusion, object.eta);
+      if (body.light->beam())
+        body.straight = std::make_unique<Straight>(context, body.domain, *body.diffusion, object.eta);
       if (plan.transport == Transport::gather)
         body.gather =
             std::make_unique<GatherExit>(context, body.domain, *body.diffusion, *body.light->beam(), object.eta);
@@ -210,7 +213,8 @@ RenderResult render_scene(gpu::Context& context, const Scene& scene, const Plan&
                               {&d.surface(0), &d.surface(1)},
                               {&d.surface_gamma(0), &d.surface_gamma(1)},
                               body->domain.frame,
-                              body->gather.get()});
+                              body->gather.get(),
+                              body->straight.get()});
   }
   result.shaded = shading->shade(input);
   keep_components(plan.components, result.shaded.picture);

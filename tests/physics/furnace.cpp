@@ -73,22 +73,23 @@ TEST_F(Furnace, Sphere) { expect_exact(icosphere(5)); }
 TEST_F(Furnace, Ellipsoid) { expect_exact(ellipsoid(5, {1, 0.6f, 0.8f})); }
 TEST_F(Furnace, Box) { expect_exact(transformed(box({1, 0.7f, 0.8f}), rotation({1, 2, 0.5}, 35))); }
 
-// Directional: exact as the report. Beams: the flux is exact and so is the mean over a sphere; pixels show how evenly
-// the beams are laid down. Gather: the mean is as exact as the quadrature of the facets' level; its worst pixel is at
-// the silhouette at eta 1.
+// Directional: exact as the report. Beams: the flux is exact and so is the mean over a sphere; but what was scattered
+// leaves diffusely, at a silhouette, too, and at eta 1 one sees straight through there. Gather: the mean is as exact as
+// the quadrature of the facets' level, and the silhouette by what the ray gathers and what it sees behind.
 TEST_F(Furnace, TransportsOnASphere) {
   struct Tolerance {
     Transport transport;
     double mean, worst;
   };
   for (const auto& [transport, mean_within, worst_within] :
-       {Tolerance{Transport::directional, 1e-3, 1e-2}, Tolerance{Transport::beam, 2e-3, 3e-2},
-        Tolerance{Transport::gather, 1e-2, 0.2}})
+       {Tolerance{Transport::directional, 1e-3, 1e-2}, Tolerance{Transport::beam, 2e-3, 0.2},
+        Tolerance{Transport::gather, 5e-3, 0.1}})
     for (double eta : {1.0, 1.5}) {
       const test::FurnaceResult r = render(icosphere(4), eta, transport);
       std::printf("%s eta %.1f: mean %.5f, worst pixel %.5f off\n", name_of(transport), eta, r.mean, r.worst);
       EXPECT_NEAR(r.mean, 1, mean_within) << name_of(transport) << " eta " << eta;
-      EXPECT_LE(r.worst, worst_within) << name_of(transport) << " eta " << eta;
+      EXPECT_LE(r.worst, eta == 1 ? worst_within : std::min(worst_within, 0.015))
+          << name_of(transport) << " eta " << eta;
     }
 }
 
@@ -199,6 +200,17 @@ class FurnaceOfTransport : public Furnace, public ::testing::WithParamInterface<
 
 TEST_P(FurnaceOfTransport, Torus) {
   for (double eta : {1.0, 1.3, 1.5}) expect_mean("torus", test::furnace_scene(torus(1, 0.4f, 64, 32), eta));
+}
+
+TEST_P(FurnaceOfTransport, Box) {
+  for (double eta : {1.0, 1.5})
+    expect_mean("box", test::furnace_scene(transformed(box({1, 0.7f, 0.8f}), rotation({1, 2, 0.5}, 35)), eta));
+}
+
+TEST_P(FurnaceOfTransport, Bunny) {
+  const Mesh mesh = bunny();
+  if (mesh.triangles.empty()) GTEST_SKIP() << "no bunny; third_party/fetch-meshes brings it";
+  for (double eta : {1.0, 1.5}) expect_mean("bunny", test::furnace_scene(mesh, eta));
 }
 
 TEST_P(FurnaceOfTransport, Neighbours) {
