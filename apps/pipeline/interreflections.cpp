@@ -12,7 +12,8 @@ constexpr double residual_share = 0.02;
 
 std::vector<ExchangeBody> exchange_bodies(const std::vector<LitBody>& bodies) {
   std::vector<ExchangeBody> result;
-  for (const LitBody& body : bodies) result.push_back({body.object, body.domain, body.source, body.eta});
+  for (const LitBody& body : bodies)
+    result.push_back({body.object, body.domain, body.light.facets(), body.eta, body.light.apart()});
   return result;
 }
 
@@ -26,15 +27,24 @@ Interreflections::Interreflections(gpu::Context& context, const Scene& scene, co
       exchange_(context, scene, lighting, exchange_bodies(bodies_), {plan.exchange_directions}) {
   report_.directions = exchange_.directions();
   report_.counts = exchange_.counts();
+}
+
+void Interreflections::start(const Lighting& lighting) {
+  gpu::Commands commands(context_);
+  for (std::size_t i = 0; i < bodies_.size(); ++i)
+    bodies_[i].light.record_lights_apart(commands, lighting, exchange_.sky(i));
+  commands.submit();
   gather();
-  from_lights_ = entered_ = entering();
+  at_start_ = entered_ = entering();
+  lights_ = glm::dvec3(0);
+  for (std::size_t i = 0; i < bodies_.size(); ++i) lights_ += exchange_.total(i, *bodies_[i].light.light().entered);
 }
 
 void Interreflections::gather() {
   gpu::Commands commands(context_);
   for (std::size_t i = 0; i < bodies_.size(); ++i) {
     exchange_.record_gather(commands, i);
-    bodies_[i].source.record_source(commands, bodies_[i].diffusion.facet_medium());
+    bodies_[i].light.record_surfaces(commands);
   }
   commands.submit();
   exchange_.next_pass();
@@ -43,28 +53,26 @@ void Interreflections::gather() {
 void Interreflections::send() {
   gpu::Commands commands(context_);
   for (std::size_t i = 0; i < bodies_.size(); ++i)
-    bodies_[i].diffusion.record_exit(commands, bodies_[i].light(), 1 / (bodies_[i].eta * bodies_[i].eta),
+    bodies_[i].diffusion.record_exit(commands, bodies_[i].light.light(), 1 / (bodies_[i].eta * bodies_[i].eta),
                                      exchange_.transmitted(), exchange_.first(i));
   commands.submit();
 }
 
 std::vector<glm::dvec3> Interreflections::entering() const {
   std::vector<glm::dvec3> total;
-  for (std::size_t i = 0; i < bodies_.size(); ++i) total.push_back(exchange_.total(i, bodies_[i].source.gamma_s()));
+  for (std::size_t i = 0; i < bodies_.size(); ++i)
+    total.push_back(exchange_.total(i, bodies_[i].light.facets().gamma_s()));
   return total;
 }
 
-/// Returns the change, of what the lights alone send to all bodies together.
+/// Returns the change, of what the lights alone send into all bodies together.
 double Interreflections::adopt(std::vector<glm::dvec3> entered) {
-  glm::dvec3 all(0), moved(0);
-  for (std::size_t i = 0; i < bodies_.size(); ++i) {
-    all += from_lights_[i];
-    moved += glm::abs(entered[i] - entered_[i]);
-  }
+  glm::dvec3 moved(0);
+  for (std::size_t i = 0; i < bodies_.size(); ++i) moved += glm::abs(entered[i] - entered_[i]);
   entered_ = std::move(entered);
   double largest = 0;
   for (int c = 0; c < 3; ++c)
-    if (all[c] > 0) largest = std::max(largest, moved[c] / all[c]);
+    if (lights_[c] > 0) largest = std::max(largest, moved[c] / lights_[c]);
   return largest;
 }
 
@@ -73,7 +81,7 @@ void Interreflections::approach() {
   double moved = 1;
   for (; report_.passes < plan_.interreflections && moved > exchange_tolerance; ++report_.passes) {
     for (const LitBody& body : bodies_)
-      body.diffusion.approach(body.light(), std::max(plan_.tolerance, residual_share * moved));
+      body.diffusion.approach(body.light.light(), std::max(plan_.tolerance, residual_share * moved));
     send();
     gather();
     moved = adopt(entering());

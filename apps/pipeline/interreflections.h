@@ -4,9 +4,8 @@
 
 #include <vector>
 
-#include "diffusion/diffusion.h"
 #include "lighting/exchange.h"
-#include "planner/plan.h"
+#include "pipeline/body_light.h"
 
 namespace alabaster {
 
@@ -16,8 +15,7 @@ struct LitBody {
   double eta = 1;
   const Domain& domain;
   Diffusion& diffusion;
-  const FacetSource& source;
-  FacetLight light() const { return {source.gamma_s(), 2}; }
+  BodyLight& light;
 };
 
 struct ExchangeReport {
@@ -29,19 +27,21 @@ struct ExchangeReport {
 
 class Interreflections {
  public:
-  /// Finds what every facet sees. The bodies' FacetSource::record_direct() has run, without the environment.
+  /// Finds what every facet sees. The bodies' BodyLight::record_lamps() has run.
   Interreflections(gpu::Context& context, const Scene& scene, const Lighting& lighting, const Plan& plan,
                    std::vector<LitBody> bodies);
 
-  /// Passes until what surfaces send each other no longer changes. Leaves Gamma_s of all light in the bodies' sources.
+  /// What the lights send, and opaque surfaces back. Needed before all else.
+  void start(const Lighting& lighting);
+  /// Passes until what surfaces send each other no longer changes. The bodies' light is all light then.
   void approach();
   /// After the last solve: what its fluence sends back, which is what the energy balance needs.
   void settle();
 
-  /// W that enter a body through its surface: from lamps, environment and opaque surfaces; and, after settle(), from
-  /// translucent ones.
-  glm::dvec3 from_lights(std::size_t body) const { return from_lights_[body]; }
-  glm::dvec3 reentered(std::size_t body) const { return entered_[body] - from_lights_[body]; }
+  /// W that enter a body through its facets' boundary source (FacetSource::gamma_s), of it what translucent surfaces
+  /// sent: as the last solve had it, and after settle() as its fluence sends it.
+  glm::dvec3 entered(std::size_t body) const { return entered_[body]; }
+  glm::dvec3 reentered(std::size_t body) const { return entered_[body] - at_start_[body]; }
   const ExchangeReport& report() const { return report_; }
 
  private:
@@ -54,7 +54,8 @@ class Interreflections {
   const Plan& plan_;
   std::vector<LitBody> bodies_;
   Exchange exchange_;
-  std::vector<glm::dvec3> from_lights_, entered_;  // W, of each body
+  std::vector<glm::dvec3> at_start_, entered_;  // W, of each body
+  glm::dvec3 lights_{0};                        // W, all that enters at first
   ExchangeReport report_;
 };
 

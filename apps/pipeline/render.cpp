@@ -4,9 +4,7 @@
 #include <chrono>
 #include <memory>
 
-#include "lighting/beam_source.h"
-#include "lighting/directional_source.h"
-#include "lighting/facet_source.h"
+#include "pipeline/body_light.h"
 
 namespace alabaster {
 namespace {
@@ -31,79 +29,23 @@ struct Body {
   std::size_t object = 0;
   Domain domain;
   std::unique_ptr<Diffusion> diffusion;
-  std::unique_ptr<FacetSource> source;  // of these, the transport's
-  std::unique_ptr<DirectionalSource> directional;
-  std::unique_ptr<BeamSource> beam;
+  std::unique_ptr<BodyLight> light;
   std::unique_ptr<GatherExit> gather;
+  std::unique_ptr<Straight> straight;
 };
-
-void make_source(gpu::Context& context, Transport transport, Body& body) {
-  if (transport == Transport::directional)
-    body.directional = std::make_unique<DirectionalSource>(context, body.domain);
-  else if (transport == Transport::beam || transport == Transport::gather)
-    body.beam = std::make_unique<BeamSource>(context, body.domain, body.diffusion->channels());
-  else
-    body.source = std::make_unique<FacetSource>(context, body.domain);
-}
-
-/// Records the object's light; what it returns holds once the commands have run.
-FacetLight record_light(gpu::Commands& commands, const Lighting& lighting, const Body& body, double eta) {
-  const Diffusion& d = *body.diffusion;
-  const gpu::Buffer& media = d.facet_medium();
-  if (body.beam) {
-    body.beam->record(commands, lighting, {d.kappa(), d.absorption(), media, d.kappa_scale(), d.channels()}, eta);
-    FacetLight light(body.beam->gamma_s(), 2);
-    light.query = &body.beam->query_gamma();
-    light.entered = &body.beam->entered();
-    light.volume = &body.beam->power();
-    return light;
-  }
-  if (body.directional) {
-    body.directional->record(commands, lighting, media, eta);
-    FacetLight light(body.directional->gamma_s(), 2);
-    light.query = &body.directional->query_gamma();
-    light.entered = &body.directional->entered();
-    return light;
-  }
-  body.source->record(commands, lighting, media, eta);
-  return FacetLight(body.source->gamma_s(), 2);
-}
+using Bodies = std::vector<std::unique_ptr<Body>>;
 
 /// From the diffuse field's balance to all light's. The near light's boundary source feeds the field, carried on to the
-/// surface, what that absorbs too much (shared/beam.h): it is in both sums and taken out of both.
-void add_beams(const BeamTotals& beams, EnergyBalance& energy) {
-  const glm::dvec3 too_much = energy.in - (beams.near + beams.in_cells);
-  energy.in = beams.entered;
+/// surface, what that absorbs too much (shared/beam.h): it is in both sums and taken out of both. `surfaces` is what
+/// enters diffusely, from other surfaces, W.
+void add_beams(const BeamTotals& beams, glm::dvec3 surfaces, EnergyBalance& energy) {
+  const glm::dvec3 too_much = energy.in - surfaces - (beams.near + beams.in_cells);
+  energy.in = beams.entered + surfaces;
   energy.absorbed += beams.absorbed - too_much;
   energy.out += beams.through;
 }
 
-FacetLight make_light(gpu::Context& context, const Lighting& lighting, Body& body, double eta, RenderResult& result) {
-  Stage stage(result, "gamma_s");
-  gpu::Commands commands(context);
-  FacetLight light = record_light(commands, lighting, body, eta);
-  commands.submit();
-  if (body.beam) light.volume_power = body.beam->totals().in_cells;
-  return light;
-}
-
-void solve(gpu::Context& context, const Lighting& lighting, Body& body, double eta, RenderResult& result) {
-  const FacetLight light = make_light(context, lighting, body, eta, result);
-  Stage stage(result, "solve");
-  ObjectReport& report = result.objects.emplace_back();
-  report.solver = body.diffusion->solve(light);
-  report.energy = body.diffusion->energy(light);
-  if (body.beam) add_beams(body.beam->totals(), report.energy);
-  if (!body.gather) return;
-  gpu::Commands commands(context);
-  body.gather->record(commands);
-  commands.submit();
-}
-
-using Bodies = std::vector<std::unique_ptr<Body>>;
-
-void report_on(const Object& object, const Body& body, int channels, RenderResult& result) {
-  ObjectReport& report = result.objects.back();
+void report_on(const Object& object, const Body& body, int channels, ObjectReport& report, RenderResult& result) {
   report.name = object.name;
   report.cells = body.domain.frame.cells;
   report.domain = body.domain.summary;
@@ -113,37 +55,26 @@ void report_on(const Object& object, const Body& body, int channels, RenderResul
   if (!report.solver.converged) result.warnings.push_back(object.name + ": " + report.solver.reason);
 }
 
-/// What the lights send to the facets. The environment is left out: light between surfaces sees to it.
-void gather_lights(gpu::Context& context, const Lighting& lighting, const std::vector<LitBody>& bodies) {
+/// What the lights send into the bodies that send each other nothing.
+void light_bodies(gpu::Context& context, const Lighting& lighting, const Bodies& bodies, RenderResult& result) {
+  Stage stage(result, "gamma_s");
   gpu::Commands commands(context);
-  for (const LitBody& body : bodies) {
-    body.source.record_direct(commands, lighting, body.eta, false);
-    body.source.record_source(commands, body.diffusion.facet_medium());
-  }
+  for (const auto& body : bodies) body->light->record_lights(commands, lighting);
   commands.submit();
 }
 
-/// What enters again is in neither `in` nor `out`.
-void report_exchange(const Interreflections& passes, RenderResult& result) {
-  result.exchange = passes.report();
-  for (std::size_t i = 0; i < result.objects.size(); ++i) {
-    ObjectReport& report = result.objects[i];
-    report.reentered = passes.reentered(i);
-    report.energy.in = passes.from_lights(i);
-    report.energy.out -= report.reentered;
-  }
-}
-
-/// Gamma_s and fluence of all bodies, with the light that surfaces send each other.
-void solve_together(gpu::Context& context, const Scene& scene, const Lighting& lighting, const Plan& plan,
-                    const Bodies& bodies, RenderResult& result) {
+/// The lights, and then passes until all light between the bodies' surfaces is among what drives them.
+std::unique_ptr<Interreflections> light_each_other(gpu::Context& context, const Scene& scene, const Lighting& lighting,
+                                                   const Plan& plan, const Bodies& bodies, RenderResult& result) {
   std::vector<LitBody> lit;
   for (const auto& body : bodies)
     lit.push_back({static_cast<int>(body->object), scene.objects[body->object].eta, body->domain, *body->diffusion,
-                   *body->source});
+                   *body->light});
   {
     Stage stage(result, "gamma_s");
-    gather_lights(context, lighting, lit);
+    gpu::Commands commands(context);
+    for (const auto& body : bodies) body->light->record_lamps(commands, lighting);
+    commands.submit();
   }
   std::unique_ptr<Interreflections> passes;
   {
@@ -151,19 +82,48 @@ void solve_together(gpu::Context& context, const Scene& scene, const Lighting& l
     passes = std::make_unique<Interreflections>(context, scene, lighting, plan, lit);
   }
   {
-    Stage stage(result, "interreflections");
-    passes->approach();
-  }
-  for (std::size_t i = 0; i < lit.size(); ++i) {
-    Stage stage(result, "solve");
-    ObjectReport& report = result.objects.emplace_back();
-    report.solver = lit[i].diffusion.solve(lit[i].light());
-    report.energy = lit[i].diffusion.energy(lit[i].light());
-    report_on(scene.objects[lit[i].object], *bodies[i], plan.channels, result);
+    Stage stage(result, "gamma_s");
+    passes->start(lighting);
   }
   Stage stage(result, "interreflections");
+  passes->approach();
+  return passes;
+}
+
+/// `surfaces`, W: what of the light enters from other surfaces.
+void solve(gpu::Context& context, Body& body, glm::dvec3 surfaces, ObjectReport& report) {
+  const FacetLight light = body.light->light();
+  report.solver = body.diffusion->solve(light);
+  report.energy = body.diffusion->energy(light);
+  if (body.light->beam()) add_beams(body.light->beam()->totals(), surfaces, report.energy);
+  if (!body.gather) return;
+  gpu::Commands commands(context);
+  body.gather->record(commands);
+  commands.submit();
+}
+
+void solve_all(gpu::Context& context, const Scene& scene, const Lighting& lighting, const Plan& plan,
+               const Bodies& bodies, RenderResult& result) {
+  std::unique_ptr<Interreflections> passes;
+  if (plan.interreflections > 0 && !bodies.empty())
+    passes = light_each_other(context, scene, lighting, plan, bodies, result);
+  else
+    light_bodies(context, lighting, bodies, result);
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    Stage stage(result, "solve");
+    ObjectReport& report = result.objects.emplace_back();
+    solve(context, *bodies[i], passes ? passes->entered(i) : glm::dvec3(0), report);
+    report_on(scene.objects[bodies[i]->object], *bodies[i], plan.channels, report, result);
+    if (passes) report.energy.in -= passes->reentered(i);
+  }
+  if (!passes) return;
+  Stage stage(result, "interreflections");
   passes->settle();
-  report_exchange(*passes, result);
+  result.exchange = passes->report();
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    result.objects[i].reentered = passes->reentered(i);
+    result.objects[i].energy.out -= passes->reentered(i);
+  }
 }
 
 /// R, G, B become the sum of the wanted layers; the others' planes are emptied.
@@ -229,19 +189,15 @@ RenderResult render_scene(gpu::Context& context, const Scene& scene, const Plan&
       Stage stage(result, "solver set-up");
       body.diffusion = std::make_unique<Diffusion>(context, *solver_passes, *fluence_passes, body.domain, medium,
                                                    object.eta, options);
-      make_source(context, plan.transport, body);
+      body.light = std::make_unique<BodyLight>(context, plan.transport, body.domain, *body.diffusion, object.eta);
+      if (body.light->beam())
+        body.straight = std::make_unique<Straight>(context, body.domain, *body.diffusion, object.eta);
       if (plan.transport == Transport::gather)
-        body.gather = std::make_unique<GatherExit>(context, body.domain, *body.diffusion, *body.beam, object.eta);
+        body.gather =
+            std::make_unique<GatherExit>(context, body.domain, *body.diffusion, *body.light->beam(), object.eta);
     }
   }
-  if (plan.interreflections > 0 && !bodies.empty()) {
-    solve_together(context, scene, *lighting, plan, bodies, result);
-  } else {
-    for (const auto& body : bodies) {
-      solve(context, *lighting, *body, scene.objects[body->object].eta, result);
-      report_on(scene.objects[body->object], *body, plan.channels, result);
-    }
-  }
+  solve_all(context, scene, *lighting, plan, bodies, result);
 
   Stage stage(result, "shade");
   Shading::Input input{scene,
@@ -257,7 +213,8 @@ RenderResult render_scene(gpu::Context& context, const Scene& scene, const Plan&
                               {&d.surface(0), &d.surface(1)},
                               {&d.surface_gamma(0), &d.surface_gamma(1)},
                               body->domain.frame,
-                              body->gather.get()});
+                              body->gather.get(),
+                              body->straight.get()});
   }
   result.shaded = shading->shade(input);
   keep_components(plan.components, result.shaded.picture);

@@ -49,7 +49,7 @@ FluencePasses::FluencePasses(gpu::Context& c)
       energy{c, "diffusion/energy.comp"},
       gradient{c, "diffusion/gradient.comp"},
       surface{c, "diffusion/surface.comp"},
-      exit{c, "diffusion/exit.comp"} {}
+      exit{{c, "diffusion/exit.comp", {0}}, {c, "diffusion/exit.comp", {1}}} {}
 
 double EnergyBalance::imbalance() const {
   double worst = 0;
@@ -241,10 +241,12 @@ SolverStatus Diffusion::approach(const FacetLight& light, double tolerance) {
 
 void Diffusion::record_exit(gpu::Commands& commands, const FacetLight& light, double exit_scale,
                             const gpu::Buffer& radiance, std::uint32_t first) {
-  commands.dispatch(passes_.exit, {2 * cut_count_, 1, 1},
+  commands.dispatch(passes_.exit[light.through != nullptr], {2 * cut_count_, 1, 1},
                     {{"cut_index", domain_.cut_index},
                      {"cut_cells", domain_.cut_cells},
                      {"gamma_s", light.gamma_s},
+                     {"query_gamma", *light.query},
+                     {"through", light.through ? *light.through : *light.query},
                      {"facets", facets_},
                      {"scales", scales_},
                      {"phi", pcg_.solution()},

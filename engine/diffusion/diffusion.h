@@ -12,7 +12,7 @@ namespace alabaster {
 struct FluencePasses {
   explicit FluencePasses(gpu::Context& context);
   gpu::Pass assemble, scale, facets[2], source[2][2], rescale, absorbed, energy, gradient, surface,
-      exit;  // [corrected][in cells]
+      exit[2];  // [corrected][in cells]; exit [straight]
 };
 
 /// Where a channel's light went, W: in = integral Gamma_s; absorbed = integral sigma_a phi; out = what the render query
@@ -34,6 +34,7 @@ struct FacetLight {
   // Source in the cells, W, packed like kappa (shared/diffusion.h), and its sum; none without.
   const gpu::Image* volume = nullptr;
   glm::dvec3 volume_power{0};
+  const gpu::Buffer* through = nullptr;  // two vec3 a cut cell: what leaves there without having been scattered
 };
 
 class Diffusion {
@@ -52,9 +53,9 @@ class Diffusion {
   /// surface() nor surface_gamma().
   SolverStatus approach(const FacetLight& light, double tolerance);
 
-  /// Radiance over F_t that leaves each side of each cut cell, W/m^2/sr: the query's bracket times exit_scale / (4 pi),
-  /// into the vec3 `radiance[first + 2 * cut cell + side]`. exit_scale is 1 / eta^2. Of the last solve or approach, for
-  /// light with two sides.
+  /// Radiance over F_t that leaves each side of each cut cell, W/m^2/sr: the query's bracket times exit_scale / (4 pi)
+  /// and what goes straight through, into the vec3 `radiance[first + 2 * cut cell + side]`. exit_scale is 1 / eta^2. Of
+  /// the last solve or approach, for light with two sides.
   void record_exit(gpu::Commands& commands, const FacetLight& light, double exit_scale, const gpu::Buffer& radiance,
                    std::uint32_t first);
 

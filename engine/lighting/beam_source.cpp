@@ -4,7 +4,7 @@
 
 namespace alabaster {
 
-static_assert(sizeof(BeamPush) == 64);
+static_assert(sizeof(BeamPush) == 72);
 
 glm::dvec3 beam_unit(const LightSamples& lights, const GridFrame& frame) {
   const double h = frame.h;
@@ -25,11 +25,14 @@ BeamSource::BeamSource(gpu::Context& context, const Domain& domain, int channels
       receivers_(context, domain),
       march_(context, "lighting/beam_march.comp"),
       source_(context, "lighting/beam_source.comp"),
+      through_pass_(context, "lighting/beam_through.comp"),
       counters_(context, 2 * 3 * BEAM_COUNTERS * sizeof(std::uint32_t), "beam counters", gpu::Memory::host),
+      leaving_(context, 2 * 3 * receivers_.count() * sizeof(std::uint32_t), "beams that leave"),
       gamma_s_(context, receivers_.count() * sizeof(glm::vec3), "beam Gamma_f"),
       query_gamma_(context, receivers_.count() * sizeof(glm::vec3), "beam query Gamma"),
       entered_(context, receivers_.count() * sizeof(glm::vec3), "beam entered flux"),
-      near_(context, receivers_.count() * sizeof(glm::vec4), "beam near light") {
+      near_(context, receivers_.count() * sizeof(glm::vec4), "beam near light"),
+      through_(context, receivers_.count() * sizeof(glm::vec3), "beam through") {
   const glm::ivec3 n = domain.frame.cells;
   const std::size_t words = std::size_t(n.x) * n.y * n.z * channels;
   deposits_ = gpu::Buffer(context, words * sizeof(std::uint32_t), "beam deposits");
@@ -37,7 +40,8 @@ BeamSource::BeamSource(gpu::Context& context, const Domain& domain, int channels
   power_ = gpu::image3d(context, {n.x / 4, n.y, n.z * channels}, VK_FORMAT_R32G32B32A32_SFLOAT, "beam power");
 }
 
-void BeamSource::record(gpu::Commands& commands, const Lighting& lighting, const BeamMedium& medium, double eta) {
+void BeamSource::record(gpu::Commands& commands, const Lighting& lighting, const BeamMedium& medium, double eta,
+                        const OpenSky& sky) {
   receivers_.record(commands);
   const auto timer = commands.time("beams");
   const SurfaceOptics optics(eta);
@@ -52,11 +56,11 @@ void BeamSource::record(gpu::Commands& commands, const Lighting& lighting, const
                       static_cast<float>(optics.f_dt),
                       domain_.frame.h,
                       glm::vec3(medium.kappa_scale),
-                      glm::vec3(unit_)};
-  for (const gpu::Buffer* sums : {&deposits_, &carries_, &counters_}) commands.fill(*sums);
-  gpu::Bindings bindings = lighting.bindings();
-  for (const gpu::Binding& binding : gpu::Bindings{{"receivers", receivers_.buffer()},
-                                                   {"media", medium.facets},
+                      glm::vec3(unit_),
+                      sky.shape};
+  for (const gpu::Buffer* sums : {&deposits_, &carries_, &counters_, &leaving_}) commands.fill(*sums);
+  gpu::Bindings bindings = arrival_bindings(lighting, receivers_, sky);
+  for (const gpu::Binding& binding : gpu::Bindings{{"media", medium.facets},
                                                    {"cut_index", domain_.cut_index},
                                                    {"cut_cells", domain_.cut_cells},
                                                    {"volume", domain_.volume},
@@ -65,6 +69,7 @@ void BeamSource::record(gpu::Commands& commands, const Lighting& lighting, const
                                                    {"deposits", deposits_},
                                                    {"carries", carries_},
                                                    {"counters", counters_},
+                                                   {"leaving", leaving_},
                                                    {"gamma_s", gamma_s_},
                                                    {"query_gamma", query_gamma_},
                                                    {"entered", entered_},
@@ -73,6 +78,8 @@ void BeamSource::record(gpu::Commands& commands, const Lighting& lighting, const
   commands.dispatch(march_, {push.count, 1, 1}, bindings, push);
   commands.dispatch(source_, {n.x / 4, n.y, n.z * channels_},
                     {{"deposits", deposits_}, {"carries", carries_}, {"power", power_}}, push);
+  commands.dispatch(through_pass_, {receivers_.count(), 1, 1},
+                    {{"leaving", leaving_}, {"cut_cells", domain_.cut_cells}, {"through", through_}}, push);
 }
 
 BeamTotals BeamSource::totals() const {

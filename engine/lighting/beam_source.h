@@ -28,7 +28,8 @@ class BeamSource {
   BeamSource(gpu::Context& context, const Domain& domain, int channels);
 
   /// Fills what is below. The shadow maps of `lighting` must have been recorded before. Stage "beams".
-  void record(gpu::Commands& commands, const Lighting& lighting, const BeamMedium& medium, double eta);
+  void record(gpu::Commands& commands, const Lighting& lighting, const BeamMedium& medium, double eta,
+              const OpenSky& sky = {});
 
   // W/m^2, two vec3 an entry of Domain::cut_cells: source of the boundary condition, Gamma of the render query, all
   // that enters; and two vec4 with what is scattered near the facet and its mean cosine with the normal.
@@ -36,6 +37,8 @@ class BeamSource {
   const gpu::Buffer& query_gamma() const { return query_gamma_; }
   const gpu::Buffer& entered() const { return entered_; }
   const gpu::Buffer& near() const { return near_; }
+  /// W/m^2, two vec3 an entry: what leaves there unscattered.
+  const gpu::Buffer& through() const { return through_; }
   /// Scattered in the cells, W, packed like kappa.
   const gpu::Image& power() const { return power_; }
   /// Of the last record() that has run.
@@ -45,8 +48,8 @@ class BeamSource {
   const Domain& domain_;
   int channels_;
   FacetReceivers receivers_;
-  gpu::Pass march_, source_;
-  gpu::Buffer deposits_, carries_, counters_, gamma_s_, query_gamma_, entered_, near_;
+  gpu::Pass march_, source_, through_pass_;
+  gpu::Buffer deposits_, carries_, counters_, leaving_, gamma_s_, query_gamma_, entered_, near_, through_;
   gpu::Image power_;
   glm::dvec3 unit_{0};
 };

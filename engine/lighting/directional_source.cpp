@@ -10,9 +10,21 @@ SurfaceOptics::SurfaceOptics(double index)
       A(boundary_constant(internal_diffuse_reflectance(index))),
       f_dt(1 - internal_diffuse_reflectance(index)) {}
 
-EntryPush SurfaceOptics::push(std::uint32_t receivers) const {
-  return {receivers, static_cast<float>(eta), static_cast<float>(f_dt_outer), static_cast<float>(A),
-          static_cast<float>(f_dt)};
+EntryPush SurfaceOptics::push(std::uint32_t receivers, SkyLinks sky) const {
+  return {receivers,
+          static_cast<float>(eta),
+          static_cast<float>(f_dt_outer),
+          static_cast<float>(A),
+          static_cast<float>(f_dt),
+          sky};
+}
+
+gpu::Bindings arrival_bindings(const Lighting& lighting, const FacetReceivers& receivers, const OpenSky& sky) {
+  gpu::Bindings all = lighting.bindings();
+  all.push_back({"receivers", receivers.buffer()});
+  all.push_back({"links", sky.links ? *sky.links : receivers.buffer()});
+  all.push_back({"side_of", sky.side_of ? *sky.side_of : receivers.buffer()});
+  return all;
 }
 
 DirectionalSource::DirectionalSource(gpu::Context& context, const Domain& domain)
@@ -22,17 +34,17 @@ DirectionalSource::DirectionalSource(gpu::Context& context, const Domain& domain
       query_gamma_(context, receivers_.count() * sizeof(glm::vec3), "directional query Gamma"),
       entered_(context, receivers_.count() * sizeof(glm::vec3), "entered flux") {}
 
-void DirectionalSource::record(gpu::Commands& commands, const Lighting& lighting, const gpu::Buffer& media,
-                               double eta) const {
+void DirectionalSource::record(gpu::Commands& commands, const Lighting& lighting, const gpu::Buffer& media, double eta,
+                               const OpenSky& sky) const {
   receivers_.record(commands);
   const auto timer = commands.time("entry");
-  gpu::Bindings bindings = lighting.bindings();
-  bindings.push_back({"receivers", receivers_.buffer()});
+  gpu::Bindings bindings = arrival_bindings(lighting, receivers_, sky);
   bindings.push_back({"media", media});
   bindings.push_back({"gamma_s", gamma_s_});
   bindings.push_back({"query_gamma", query_gamma_});
   bindings.push_back({"entered", entered_});
-  commands.dispatch(pass_, {receivers_.count(), 1, 1}, bindings, SurfaceOptics(eta).push(receivers_.count()));
+  commands.dispatch(pass_, {receivers_.count(), 1, 1}, bindings,
+                    SurfaceOptics(eta).push(receivers_.count(), sky.shape));
 }
 
 }  // namespace alabaster

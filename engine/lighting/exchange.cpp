@@ -8,7 +8,7 @@
 namespace alabaster {
 
 static_assert(sizeof(ExchangeSide) == 8 && sizeof(LinkHit) == 8 && sizeof(LinkPush) == 56 &&
-              sizeof(ExchangePush) == 32);
+              sizeof(ExchangePush) == 36);
 
 namespace {
 
@@ -22,6 +22,12 @@ std::vector<ExchangeSide> sides_with_area(gpu::Context& context, const Domain& d
         sides.push_back({2 * i + s, facet.area * domain.frame.h * domain.frame.h});
     }
   return sides;
+}
+
+std::vector<std::uint32_t> side_of_entries(const std::vector<ExchangeSide>& sides, std::size_t entries) {
+  std::vector<std::uint32_t> side_of(entries, sky_no_side);
+  for (std::size_t i = 0; i < sides.size(); ++i) side_of[sides[i].entry] = static_cast<std::uint32_t>(i);
+  return side_of;
 }
 
 struct OpaqueLightPush {
@@ -54,6 +60,7 @@ Exchange::Exchange(gpu::Context& context, const Scene& scene, const Lighting& li
     const std::size_t count = std::max<std::size_t>(part.sides.size(), 1);
     part.side_buffer = gpu::Buffer(context, count * sizeof(ExchangeSide), "exchange sides");
     if (!part.sides.empty()) gpu::upload(context, part.side_buffer, part.sides);
+    part.side_of = gpu::make_buffer(context, side_of_entries(part.sides, part.body.source.count()), "sides of entries");
     part.links = gpu::Buffer(context, count * directions_ * sizeof(std::uint32_t), "links");
     part.irradiance = gpu::Buffer(context, 2 * std::size_t(part.body.domain.summary.cut_cells + 1) * sizeof(glm::vec3),
                                   "facet irradiance");
@@ -173,7 +180,8 @@ void Exchange::record_gather(gpu::Commands& commands, std::size_t body) {
                           part.first,
                           static_cast<float>(part.body.eta),
                           static_cast<float>(diffuse_reflectance(part.body.eta)),
-                          environment_};
+                          environment_,
+                          !part.body.lights_apart};
   commands.dispatch(gather_pass_, {push.sides, 1, 1},
                     {{"sides", part.side_buffer},
                      {"links", part.links},
@@ -184,6 +192,12 @@ void Exchange::record_gather(gpu::Commands& commands, std::size_t body) {
                      {"flux", part.body.source.flux()},
                      {"mirrored_next", mirrored_[newest_ ^ 1]}},
                     push);
+}
+
+OpenSky Exchange::sky(std::size_t body) const {
+  const Part& part = bodies_[body];
+  const std::uint32_t directions = environment_ == glm::vec3(0) ? 0 : static_cast<std::uint32_t>(directions_);
+  return {&part.links, &part.side_of, {static_cast<std::uint32_t>(part.sides.size()), directions}};
 }
 
 glm::dvec3 Exchange::total(std::size_t body, const gpu::Buffer& values) const {

@@ -7,6 +7,7 @@
 
 #include <vector>
 
+#include "lighting/directional_source.h"
 #include "lighting/facet_source.h"
 #include "lighting/triangle_tree.h"
 #include "shared/exchange.h"
@@ -19,6 +20,9 @@ struct ExchangeBody {
   const Domain& domain;
   const FacetSource& source;
   double eta = 1;
+  // The lamps' and the open environment's light enters by the source of the object's transport: flux() gets only what
+  // surfaces send. They are mirrored as ever.
+  bool lights_apart = false;
 };
 
 class Exchange {
@@ -33,7 +37,8 @@ class Exchange {
            const Settings& settings);
 
   /// Of `body`, into its FacetSource::flux(): the lamps' share (record_direct) plus what arrives along the links and
-  /// from the open environment. Reads transmitted(), and what all bodies mirrored in the gathers of the pass before.
+  /// from the open environment (ExchangeBody::lights_apart leaves both out). Reads transmitted(), and what all bodies
+  /// mirrored in the gathers of the pass before.
   void record_gather(gpu::Commands& commands, std::size_t body);
   /// After every body's record_gather(): what they mirror is seen by the next.
   void next_pass() { newest_ ^= 1; }
@@ -53,6 +58,8 @@ class Exchange {
   };
   const Counts& counts() const { return counts_; }
   int directions() const { return directions_; }
+  /// Where the facets of `body` see the environment, for the source of its transport.
+  OpenSky sky(std::size_t body) const;
   const gpu::Buffer& links(std::size_t body) const { return bodies_[body].links; }
   const gpu::Buffer& sides(std::size_t body) const { return bodies_[body].side_buffer; }
 
@@ -61,7 +68,7 @@ class Exchange {
     ExchangeBody body;
     std::vector<ExchangeSide> sides;
     std::uint32_t first = 0;  // emitter of entry 0
-    gpu::Buffer side_buffer, links, irradiance;
+    gpu::Buffer side_buffer, side_of, links, irradiance;
   };
   void find_links(const Scene& scene, const Lighting& lighting);
   LinkPush link_push(const Part& part, const TriangleTree& tree) const;

@@ -86,7 +86,6 @@ int choose_grid(const Scene& scene, const Request& request, Plan& plan, std::uin
 /// Why there is no light between surfaces to follow; empty where there is.
 std::string without_exchange(const Scene& scene, Transport transport) {
   if (transport == Transport::as_printed) return "the report as printed has none";
-  if (transport != Transport::report) return std::string("not followed yet with --transport ") + name_of(transport);
   const Object* alone = nullptr;
   for (const Object& object : scene.objects) {
     if (object.role == Role::emissive || (object.role == Role::opaque && object.albedo == glm::vec3(0))) continue;

@@ -1,24 +1,12 @@
 #include "shading/gather_exit.h"
 
-#include "shared/optics.h"
+#include "shading/straight.h"
 
 namespace alabaster {
 namespace {
 
 gpu::Image cell_image(gpu::Context& context, const Domain& domain, const char* name) {
   return gpu::image3d(context, domain.frame.cells, VK_FORMAT_R32G32B32A32_SFLOAT, name);
-}
-
-GatherGrid grid_of(const Domain& domain, const Diffusion& diffusion, double eta) {
-  const SurfaceOptics optics(eta);
-  return {domain.frame.cells,
-          diffusion.channels(),
-          domain.frame.origin,
-          domain.frame.h,
-          glm::vec3(diffusion.kappa_scale()),
-          static_cast<float>(eta),
-          static_cast<float>(optics.A),
-          static_cast<float>(optics.f_dt)};
 }
 
 }  // namespace
@@ -33,7 +21,7 @@ GatherExit::GatherExit(gpu::Context& context, const Domain& domain, const Diffus
       spread_pass_(context, "shading/spread_facets.comp"),
       level_pass_(context, "shading/gather_level.comp"),
       linear_(context, gpu::Filter::linear),
-      grid_(gpu::make_buffer(context, std::vector<GatherGrid>{grid_of(domain, diffusion, eta)}, "gather grid")),
+      grid_(gpu::make_buffer(context, std::vector<GatherGrid>{ray_grid(domain, diffusion, eta)}, "gather grid")),
       levels_(context, 2 * push_.count * sizeof(glm::vec4), "gather levels"),
       density_(cell_image(context, domain, "beam density")),
       near_{cell_image(context, domain, "near light, up"), cell_image(context, domain, "near light, down")},

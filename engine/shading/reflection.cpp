@@ -140,8 +140,8 @@ void Reflection::record_glow(gpu::Commands& commands, const Shading::Input& inpu
   }
 }
 
-void Reflection::record(gpu::Commands& commands, const Shading::Input& input, const MirroredScene& mirrored,
-                        const Target& target) const {
+ReflectionPush Reflection::push(const Shading::Input& input, const MirroredScene& mirrored,
+                                const Target& target) const {
   const SceneMeshes::Range& range = input.meshes.ranges[static_cast<std::size_t>(target.surface.object)];
   ReflectionPush push;
   push.camera = target.camera;
@@ -149,10 +149,17 @@ void Reflection::record(gpu::Commands& commands, const Shading::Input& input, co
   push.first = range.first;
   push.count = range.count;
   push.object = static_cast<std::uint32_t>(target.surface.object);
+  push.first_sample = 0;
+  push.end_sample = target.camera.edge * target.camera.edge;
   push.rays = static_cast<std::uint32_t>(input.rough_rays);
   push.emitters = mirrored.emitter_count;
   push.orders = static_cast<std::uint32_t>(input.mirrorings);
   push.environment_turn = input.lighting.environment_turn();
+  return push;
+}
+
+gpu::Bindings Reflection::bindings(const Shading::Input& input, const MirroredScene& mirrored,
+                                   const Target& target) const {
   gpu::Bindings bindings = target.shared;
   for (const gpu::Binding& light : input.lighting.bindings()) bindings.push_back(light);
   for (const gpu::Binding& tree : input.meshes.rays.bindings()) bindings.push_back(tree);
@@ -161,14 +168,30 @@ void Reflection::record(gpu::Commands& commands, const Shading::Input& input, co
   bindings.push_back({"glow", mirrored.glow, linear_});
   bindings.push_back({"emitters", mirrored.emitters});
   bindings.push_back({"lobes", mirrored.lobes});
+  return bindings;
+}
+
+void Reflection::record(gpu::Commands& commands, const Shading::Input& input, const MirroredScene& mirrored,
+                        const Target& target) const {
+  ReflectionPush part = push(input, mirrored, target);
+  const gpu::Bindings all = bindings(input, mirrored, target);
   const auto timer = commands.time("reflection");
   // Lavapipe ends an invocation after 65535 turns of its loops, all taken together: rough samples go one by one.
-  const std::uint32_t samples = target.camera.edge * target.camera.edge;
-  const std::uint32_t at_once = rough(input.scene.objects[push.object]) ? 1 : samples;
-  for (push.first_sample = 0; push.first_sample < samples; push.first_sample += at_once) {
-    push.end_sample = push.first_sample + at_once;
-    commands.dispatch(reflection_, {target.extent, 1}, bindings, push);
+  const std::uint32_t samples = part.end_sample;
+  const std::uint32_t at_once = rough(input.scene.objects[part.object]) ? 1 : samples;
+  for (part.first_sample = 0; part.first_sample < samples; part.first_sample += at_once) {
+    part.end_sample = part.first_sample + at_once;
+    commands.dispatch(reflection_, {target.extent, 1}, all, part);
   }
+}
+
+void Reflection::record_straight(gpu::Commands& commands, const Shading::Input& input, const MirroredScene& mirrored,
+                                 const Target& target) const {
+  gpu::Bindings all = bindings(input, mirrored, target);
+  for (const gpu::Binding& binding : target.surface.straight->bindings()) all.push_back(binding);
+  const auto timer = commands.time("straight");
+  if (!straight_) straight_ = std::make_unique<gpu::Pass>(context_, "shading/straight.comp");
+  commands.dispatch(*straight_, {target.extent, 1}, all, push(input, mirrored, target));
 }
 
 }  // namespace alabaster

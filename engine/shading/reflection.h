@@ -36,10 +36,17 @@ class Reflection {
   void record(gpu::Commands& commands, const Shading::Input& input, const MirroredScene& mirrored,
               const Target& target) const;
 
+  /// Adds what is seen straight through `surface` to "multiple" (stage "straight").
+  void record_straight(gpu::Commands& commands, const Shading::Input& input, const MirroredScene& mirrored,
+                       const Target& target) const;
+
  private:
+  ReflectionPush push(const Shading::Input& input, const MirroredScene& mirrored, const Target& target) const;
+  gpu::Bindings bindings(const Shading::Input& input, const MirroredScene& mirrored, const Target& target) const;
   gpu::Context& context_;
   gpu::Sampler linear_;
   gpu::Pass glow_, reflection_;
+  mutable std::unique_ptr<gpu::Pass> straight_;  // made when first wanted
 };
 
 }  // namespace alabaster

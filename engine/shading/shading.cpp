@@ -260,8 +260,10 @@ ShadedPicture Shading::shade(const Input& input) const {
       for (const gpu::Binding& binding : shared) bindings.push_back(binding);
       commands.dispatch(*gathered_, {extent, 1}, bindings, push);
     }
+    const Reflection::Target target{surface, rays, rectangle.low, extent, shared};
+    if (surface.straight) reflection_->record_straight(commands, input, mirrored, target);
     if (input.scene.objects[static_cast<std::size_t>(surface.object)].eta != 1)
-      reflection_->record(commands, input, mirrored, {surface, rays, rectangle.low, extent, shared});
+      reflection_->record(commands, input, mirrored, target);
   }
   commands.submit();
   return planes(context_, sums, size);

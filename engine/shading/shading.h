@@ -9,6 +9,7 @@
 #include "image/picture.h"
 #include "lighting/lighting.h"
 #include "shading/gather_exit.h"
+#include "shading/straight.h"
 
 namespace alabaster {
 
@@ -25,6 +26,7 @@ struct TranslucentSurface {
   const gpu::Image* gamma_s[2] = {nullptr, nullptr};
   GridFrame frame;                     // of all; texel (i, j, k) is at origin + h (i + 0.5, ...)
   const GatherExit* gather = nullptr;  // where set, light leaves by it and not by the query
+  const Straight* straight = nullptr;  // where set, what lies behind is seen straight through
 };
 
 struct Frame {
@@ -33,7 +35,8 @@ struct Frame {
 };
 
 struct ShadedPicture {
-  /// R, G, B = multiple + surface. multiple.*: light from inside, of the object itself or of one that it mirrors;
+  /// R, G, B = multiple + surface. multiple.*: light from inside, of the object itself (and what is seen straight
+  /// through it) or of one that it mirrors;
   /// surface.*: opaque and emissive objects, background, and what of them translucent objects mirror. fluence.*,
   /// gamma_s.*: W/m^2, mean over the pixel's translucent part, 0 without one. N.X, N.Y, N.Z: unit world normal, and Z:
   /// distance from the eye in metres, both means over what the pixel sees, 0 where it sees nothing. object.Y: share of
@@ -61,7 +64,8 @@ class Shading {
     int rough_rays = 4;  // mirrored rays a sample of the picture where a surface is rough, and as many towards lights
     int mirrorings = 2;  // that are followed; what is mirrored once more is taken to see the environment
   };
-  /// Draws the picture (stages "visibility", "plain", "translucent", "glow", "reflection") and fetches it. Throws
+  /// Draws the picture (stages "visibility", "plain", "translucent", "glow", "straight",
+  /// "reflection") and fetches it. Throws
   /// UserError for a frame that makes no sense.
   ShadedPicture shade(const Input& input) const;
 

@@ -1,15 +1,19 @@
 // What each side of each cut cell sends out: radiance over F_t, the bracket of the render query times exit_scale / (4 pi), from
-// the same fluence on the facet as in energy.comp. Negative brackets are 0, as in the picture.
+// the same fluence on the facet as in energy.comp. Negative brackets are 0, as in the picture. What goes straight through leaves
+// by its flux, spread as the diffuse light is: a bracket of 4 / F_dt times it.
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
 #include "shared/diffusion.h"
 #include "diffusion/cut.glsl"
 layout(local_size_x = 64) in;
+layout(constant_id = 0) const int straight = 0;
 layout(push_constant, scalar) uniform PushBlock { SurfacePush push; float exit_scale; uint first; };
 #include "diffusion/light.glsl"
 layout(binding = 3, scalar) readonly buffer Scales { FluenceScale scales[]; };
 layout(binding = 5, rgba32f) uniform readonly image3D phi;
+layout(binding = 6, scalar) readonly buffer QueryGamma { vec3 query_gamma[]; };  // as gamma_s
+layout(binding = 9, scalar) readonly buffer Through { vec3 through[]; };         // W/m^2, two a cut cell
 layout(binding = 7, scalar) readonly buffer FacetOffsets { float facet_offsets[]; };
 layout(binding = 8, scalar) writeonly buffer Transmitted { vec3 transmitted[]; };  // W/m^2/sr, from entry `first`
 
@@ -28,7 +32,10 @@ void main() {
     const float gamma = gamma_of(i, side)[channel];
     const float depth = max(facet.distance, least_distance) * push.h / facets[i].kappa[channel];
     const float surface = dsbc_surface_fluence(own, dsbc_source(gamma, push.f_dt), push.A, depth);
-    radiance[n] = query_radiance(max(query_bracket(surface, gamma, push.A, push.f_dt), 0), 1, exit_scale);
+    const float query = query_gamma[push.sides == 2 ? thread : i][channel];
+    float bracket = max(query_bracket(surface, query, push.A, push.f_dt), 0);
+    if (straight != 0) bracket += 4 / push.f_dt * through[thread][channel];
+    radiance[n] = query_radiance(bracket, 1, exit_scale);
   }
   transmitted[first + thread] = radiance;
 }

@@ -1,5 +1,10 @@
 // The light of all samples at a receiver, one sample at a time: what gather() adds up, for those who ask where it comes from.
+// Needs a push block with a SkyLinks; takes bindings 17 and 18.
 #include "lighting/gather.glsl"
+#include "lighting/link.glsl"
+
+layout(binding = 17, scalar) readonly buffer Links { uint links[]; };        // [direction][side], with push.sky.sides
+layout(binding = 18, scalar) readonly buffer SideOf { uint side_of[]; };     // of each entry: side or sky_no_side
 
 struct Arrival {
   vec3 towards;  // the light, unit
@@ -7,21 +12,34 @@ struct Arrival {
   vec3 flux;     // F_t L cos dw, W/m^2: what enters
 };
 
-uint arrivals() { return lighting.points + lighting.directions; }
+bool by_links() { return push.sky.sides > 0; }
+
+uint arrivals() { return lighting.points + (by_links() ? push.sky.directions : lighting.directions); }
 
 vec3 environment_way(uint direction) {
   const mat4 m = views[lighting.first_view + direction].to_clip;
   return -normalize(vec3(m[0][2], m[1][2], m[2][2]));
 }
 
-// Flux of the environment that enters per weight cos F_t of its directions: so they add up to the closed form.
-vec3 environment_share(Receiver r, float eta, float f_dt_outer) {
+// The environment over one receiver.
+struct Sky {
+  uint entry, side;
+  vec3 share;  // flux that enters per weight of its directions: so they add up to the closed form
+};
+
+// Links are spread by the cosine: F_t is their weight. Of the lighting's directions it is cos F_t.
+Sky sky_over(uint entry, Receiver r, float eta, float f_dt_outer) {
+  Sky sky = Sky(entry, by_links() ? side_of[entry] : sky_no_side, vec3(0));
   float all = 0;
-  for (uint i = 0; i < lighting.directions; ++i) {
+  if (sky.side != sky_no_side)
+    for (uint k = 0; k < push.sky.directions; ++k)
+      all += fresnel_transmittance(link_cosine(k, push.sky.directions), eta);
+  for (uint i = 0; i < (by_links() ? 0 : lighting.directions); ++i) {
     const float cosine = dot(r.normal, environment_way(i));
     if (cosine > 0) all += cosine * fresnel_transmittance(cosine, eta);
   }
-  return all > 0 ? lighting.environment * (3.14159265358979 * f_dt_outer / all) : vec3(0);
+  if (all > 0) sky.share = lighting.environment * (3.14159265358979 * f_dt_outer / all);
+  return sky;
 }
 
 Arrival point_arrival(LightPoint light, Receiver r, float eta) {
@@ -40,13 +58,23 @@ Arrival point_arrival(LightPoint light, Receiver r, float eta) {
   return a;
 }
 
-Arrival arrival(uint i, Receiver r, float eta, vec3 environment) {
+Arrival link_arrival(uint k, Receiver r, float eta, Sky sky) {
+  Arrival a = Arrival(vec3(0), 0, vec3(0));
+  if (sky.side == sky_no_side || links[k * push.sky.sides + sky.side] != link_open) return a;
+  a.towards = link_direction(r.normal, sky.entry, k, push.sky.directions);
+  a.cosine = link_cosine(k, push.sky.directions);
+  a.flux = sky.share * fresnel_transmittance(a.cosine, eta);
+  return a;
+}
+
+Arrival arrival(uint i, Receiver r, float eta, Sky sky) {
   if (i < lighting.points) return point_arrival(points[i], r, eta);
+  if (by_links()) return link_arrival(i - lighting.points, r, eta, sky);
   Arrival a = Arrival(environment_way(i - lighting.points), 0, vec3(0));
   a.cosine = dot(r.normal, a.towards);
   if (a.cosine <= 0) return a;
   bool inside;
   const float lit = look_up(lighting.first_view + i - lighting.points, r.position, r.normal, r.slack, inside);
-  a.flux = environment * (lit * a.cosine * fresnel_transmittance(a.cosine, eta));
+  a.flux = sky.share * (lit * a.cosine * fresnel_transmittance(a.cosine, eta));
   return a;
 }

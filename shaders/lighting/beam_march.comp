@@ -4,16 +4,16 @@
 // source, the rest is absorbed. A loss between two cells' centroids along the way is shared between them so that its mean depth
 // below the entry is kept. What is lost nearer to the facet than a cell can tell goes to the boundary condition (buried_*,
 // shared/beam.h): so nothing depends on the grid where the mean free path is below a cell. At the far side the Fresnel share
-// leaves for good and the mirrored share is marched on.
+// leaves, by the facet there, and the mirrored share is marched on.
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
-#include "lighting/arrivals.glsl"
 #include "shared/beam.h"
 #include "shared/diffusion.h"
 #include "shared/domain.h"
 layout(local_size_x = 64) in;
 layout(push_constant, scalar) uniform Constants { BeamPush push; };
+#include "lighting/arrivals.glsl"
 layout(binding = 3, scalar) readonly buffer Receivers { Receiver receivers[]; };  // two a cut cell
 layout(binding = 4, scalar) readonly buffer Media { FacetMedium media[]; };       // one a cut cell
 layout(binding = 5, r32ui) uniform readonly uimage3D cut_index;
@@ -22,10 +22,12 @@ layout(binding = 7, rgba32f) uniform readonly image3D volume;
 layout(binding = 8, rgba32f) uniform readonly image3D kappa;       // in kappa_scale
 layout(binding = 9, rgba32f) uniform readonly image3D absorption;  // sigma_a h^2 / kappa_scale
 #define GRID push
+#include "domain/facet_class.glsl"
 #include "domain/way.glsl"
 layout(binding = 10, scalar) buffer Deposits { uint deposits[]; };  // units scattered, [channel][cell], low words
 layout(binding = 11, scalar) buffer Carries { uint carries[]; };    // high words
 layout(binding = 12, scalar) buffer Counters { uint counters[]; };
+layout(binding = 19, scalar) buffer Leaving { uint leaving[]; };  // units through each entry: low words, then high words
 // Two a cut cell:
 layout(binding = 13, scalar) writeonly buffer GammaS { vec3 gamma_s[]; };          // of the boundary condition, W/m^2
 layout(binding = 14, scalar) writeonly buffer QueryGamma { vec3 query_gamma[]; };  // of the render query
@@ -59,6 +61,18 @@ void count_totals() {
       if (old + v < old) atomicAdd(counters[counter_words + 3 * k + c], 1u);
       totals[k][c] = 0;
     }
+}
+
+// Leave unscattered by a facet of cut cell `index`, which looks along `normal`.
+void leave(uint index, vec3 normal, uvec3 units) {
+  totals[BEAM_THROUGH] += units;
+  uint entry = 2 * index + uint(facet_class(normal) & 1);
+  if (cut_cells[index].side[entry & 1].area <= 0) entry ^= 1;
+  for (int c = 0; c < push.channels; ++c) {
+    if (units[c] == 0) continue;
+    const uint old = atomicAdd(leaving[3 * entry + c], units[c]);
+    if (old + units[c] < old) atomicAdd(leaving[3 * (2 * uint(push.count) + entry) + c], 1u);
+  }
 }
 
 uvec3 share_of(uvec3 units, vec3 share) { return min(units, uvec3(floor(vec3(units) * clamp(share, 0, 1) + 0.5))); }
@@ -176,6 +190,7 @@ void march(Facet f, ivec3 cell, vec3 along, uvec3 units) {
   node.open = false;
   int mirrors = 0;
   bool inside = false;
+  uint last = f.index;  // cut cell on the way
   const int most_steps = 4 * (push.cells.x + push.cells.y + push.cells.z);
   for (int n = 0; n < most_steps; ++n) {
     const Solid s = solid_at(w.cell);
@@ -187,7 +202,9 @@ void march(Facet f, ivec3 cell, vec3 along, uvec3 units) {
     inside = true;
     vec3 normal;
     float end = cell_end(w);
-    const float out_at = leaves_at(w, imageLoad(cut_index, w.cell).r, end, normal);
+    const uint cut = imageLoad(cut_index, w.cell).r;
+    if (cut != 0) last = cut;
+    const float out_at = leaves_at(w, cut, end, normal);
     const bool leaves = out_at <= end;
     if (leaves) end = out_at;
     cross_cell(w, end, s, f, mirrors == 0, beam, node);
@@ -202,7 +219,7 @@ void march(Facet f, ivec3 cell, vec3 along, uvec3 units) {
     const float cosine = dot(normal, w.along);
     uvec3 mirrored = share_of(beam.left, vec3(fresnel_reflectance(cosine, 1 / push.eta)));
     if (mirrors == BEAM_MOST_REFLECTIONS) mirrored = uvec3(0);
-    totals[BEAM_THROUGH] += beam.left - mirrored;
+    leave(cut, normal, beam.left - mirrored);
     close_node(node);
     beam = Beam(mirrored, mirrored, vec3(0));
     if (mirrored == uvec3(0)) break;
@@ -210,7 +227,7 @@ void march(Facet f, ivec3 cell, vec3 along, uvec3 units) {
     w = way_from(w.from + end * w.along, normalize(w.along - 2 * cosine * normal), w.cell);
   }
   close_node(node);
-  totals[BEAM_THROUGH] += beam.left;  // fell out where the surface is bent
+  leave(last, w.along, beam.left);  // fell out where the surface is bent
 }
 
 // How deep the near light may reach: where the object is thinner than that, to the cell's centroid.
@@ -228,13 +245,13 @@ void light_side(uint index, int s) {
   f.near = near_of(side, f.origin, f.normal);
   // The middle of a piece of surface that a neighbour gave lies in that neighbour's cell.
   const ivec3 cell = any(greaterThan(abs(side.centre - 0.5), vec3(0.51))) ? ivec3(floor(f.origin)) : own;
-  const vec3 environment = environment_share(receiver, push.eta, push.f_dt_outer);
+  const Sky sky = sky_over(at, receiver, push.eta, push.f_dt_outer);
   const float area = side.area * push.h * push.h;
   vec3 all = vec3(0);
   near_sum = boundary_sum = leaving_sum = vec3(0);
   near_cosine = 0;
   for (uint i = 0; i < arrivals(); ++i) {
-    const Arrival light = arrival(i, receiver, push.eta, environment);
+    const Arrival light = arrival(i, receiver, push.eta, sky);
     all += light.flux;
     uvec3 units = uvec3(0);
     for (int c = 0; c < push.channels; ++c)

@@ -3,10 +3,11 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
-#include "lighting/arrivals.glsl"
 #include "shared/diffusion.h"
+#include "shared/lighting.h"
 layout(local_size_x = 64) in;
 layout(push_constant, scalar) uniform Constants { EntryPush push; };
+#include "lighting/arrivals.glsl"
 layout(binding = 3, scalar) readonly buffer Receivers { Receiver receivers[]; };  // two a cut cell
 layout(binding = 4, scalar) readonly buffer Media { FacetMedium media[]; };       // one a cut cell
 layout(binding = 5, scalar) writeonly buffer GammaS { vec3 gamma_s[]; };          // Gamma_f, W/m^2
@@ -18,10 +19,10 @@ void main() {
   if (i >= push.receivers) return;
   const Receiver receiver = receivers[i];
   const vec3 absorbed = clamp(3 * media[i / 2].kappa * media[i / 2].sigma_a, 0, 1);
-  const vec3 environment = environment_share(receiver, push.eta, push.f_dt_outer);
+  const Sky sky = sky_over(i, receiver, push.eta, push.f_dt_outer);
   vec3 all = vec3(0), boundary = vec3(0), leaving = vec3(0);
   for (uint s = 0; s < arrivals(); ++s) {
-    const Arrival light = arrival(s, receiver, push.eta, environment);
+    const Arrival light = arrival(s, receiver, push.eta, sky);
     if (light.cosine <= 0) continue;
     const float mu = refracted_cosine(light.cosine, push.eta);
     all += light.flux;

@@ -1,5 +1,5 @@
 // Light that enters each side of each cut cell: from the lamps (gathered before), along its links, and from the open
-// environment; and the radiance that it mirrors.
+// environment (of these only what surfaces send where push.lights is 0); and the radiance that it mirrors.
 //   E_t = E_t,lamps + pi (1 - F_dr) sum_k F_t L_k / sum_k F_t      directions spread by the cosine
 //   M = [R_lamps + pi F_dr sum_k F_r L_k / sum_k F_r] / (pi F_dr)  mirrored light leaves with F_r(cos) M in every direction:
 // its flux is right, its directions are those of light from all around. In a furnace both are exact for any directions.
@@ -16,7 +16,7 @@ layout(binding = 2, scalar) readonly buffer Transmitted { vec3 transmitted[]; };
 layout(binding = 3, scalar) readonly buffer Mirrored { vec3 mirrored[]; };             // W/m^2/sr over F_r, of emitters
 layout(binding = 4, scalar) readonly buffer Direct { vec3 direct[]; };                 // W/m^2, F_t gathered
 layout(binding = 5, scalar) readonly buffer Irradiance { vec3 irradiance[]; };         // W/m^2, gathered without F_t
-layout(binding = 6, scalar) writeonly buffer Flux { vec3 flux[]; };                    // W/m^2, E_t
+layout(binding = 6, scalar) writeonly buffer Flux { vec3 flux[]; };                    // W/m^2, E_t or its part
 layout(binding = 7, scalar) writeonly buffer MirroredNext { vec3 mirrored_next[]; };
 
 vec3 arriving(uint link) {
@@ -33,15 +33,16 @@ void main() {
   float f_t = 0, f_r = 0;
   for (uint k = 0; k < push.directions; ++k) {
     const float reflectance = fresnel_reflectance(link_cosine(k, push.directions), push.eta);
-    const vec3 light = arriving(links[k * push.sides + i]);
-    through += (1 - reflectance) * light;
+    const uint link = links[k * push.sides + i];
+    const vec3 light = arriving(link);
+    if (push.lights != 0 || link != link_open) through += (1 - reflectance) * light;
     back += reflectance * light;
     f_t += 1 - reflectance;
     f_r += reflectance;
   }
   const float pi = 3.14159265358979;
   const uint entry = sides[i].entry;
-  flux[entry] = direct[entry] + (pi * (1 - push.f_dr_outer) / f_t) * through;
+  flux[entry] = (push.lights != 0 ? direct[entry] : vec3(0)) + (pi * (1 - push.f_dr_outer) / f_t) * through;
   vec3 mirror = vec3(0);
   if (push.f_dr_outer > 0)
     mirror = (irradiance[entry] - direct[entry]) / (pi * push.f_dr_outer) + back / f_r;

@@ -2,6 +2,7 @@
 // (64 bits as two words), so that the order of the additions does not show and nothing is lost.
 #ifndef ALABASTER_SHARED_BEAM_H
 #define ALABASTER_SHARED_BEAM_H
+#include "lighting.h"
 #include "optics.h"
 
 ALABASTER_BEGIN_SHARED
@@ -28,6 +29,7 @@ struct BeamPush {
   float h;          // m
   vec3 kappa_scale;  // m
   vec3 unit;         // W; 0: no light in the channel
+  SkyLinks sky;
 };
 
 // Mean of t over [0, 1] weighted with exp(-x t): where in a segment of optical depth x a beam is lost.

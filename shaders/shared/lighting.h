@@ -74,12 +74,22 @@ struct FacetPush {
   uint cut_cells;   // entries of Domain::cut_cells
 };
 
+// Where the open environment's light comes from (arrivals.glsl): the links of light between surfaces (shared/exchange.h),
+// so that what is open and what surfaces send instead are told apart by the same rays; or, without sides, the lighting's
+// own directions.
+struct SkyLinks {
+  uint sides;
+  uint directions;  // 0: it is dark
+};
+const uint sky_no_side = 0xffffffffu;
+
 // Light that enters with its direction kept: shaders/lighting/directional_source.comp.
 struct EntryPush {
   uint receivers;
   float eta;
   float f_dt_outer;  // 1 - F_dr of diffuse light from outside
   float A, f_dt;     // of the surface from inside
+  SkyLinks sky;
 };
 
 SHARED_FN real spot_share(real cosine, real scale, real offset) {

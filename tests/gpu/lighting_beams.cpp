@@ -21,7 +21,7 @@ class LightingBeams : public GpuTest {
   struct Marched {
     BeamTotals totals;
     std::vector<float> power;  // W, x fastest, [channel][cell]
-    std::vector<glm::vec3> gamma_s, query_gamma, entered;
+    std::vector<glm::vec3> gamma_s, query_gamma, entered, through;
     std::vector<glm::vec4> near;
     glm::dvec3 unit{0};
   };
@@ -38,6 +38,7 @@ class LightingBeams : public GpuTest {
             gpu::download<glm::vec3>(context, beam.gamma_s()),
             gpu::download<glm::vec3>(context, beam.query_gamma()),
             gpu::download<glm::vec3>(context, beam.entered()),
+            gpu::download<glm::vec3>(context, beam.through()),
             gpu::download<glm::vec4>(context, beam.near()),
             beam_unit(lit.lighting.samples(), body.domain().frame)};
   }
@@ -70,16 +71,17 @@ TEST_F(LightingBeams, NothingIsLostAndTheOrderDoesNotShow) {
     const double left = t.entered[c] - (t.near[c] + t.in_cells[c] + t.absorbed[c] + t.through[c]);
     EXPECT_LT(std::abs(left), 0.5 * a.unit[c]);
     EXPECT_NEAR(t.absorbed[c] / (t.absorbed[c] + t.near[c] + t.in_cells[c]), 0.1, 1e-4);
-    double laid = 0, near = 0, entered = 0;
+    double laid = 0, near = 0, entered = 0, through = 0;
     for (std::size_t i = 0; i < cells; ++i) laid += a.power[c * cells + i];
     const double h = body.domain().frame.h;
     for (std::size_t i = 2; i < a.near.size(); ++i) {
       const double area = body.cut_cells()[i / 2].side[i % 2].area * h * h;
-      near += area * a.near[i][c], entered += area * a.entered[i][c];
+      near += area * a.near[i][c], entered += area * a.entered[i][c], through += area * a.through[i][c];
     }
     EXPECT_NEAR(laid / t.in_cells[c], 1, 1e-5);
     EXPECT_NEAR(near / t.near[c], 1, 1e-5);
     EXPECT_NEAR(entered / t.entered[c], 1, 1e-4);
+    EXPECT_NEAR(through / t.through[c], 1, 1e-5);
     EXPECT_EQ(t.entered[c], b.totals.entered[c]);
     EXPECT_EQ(t.through[c], b.totals.through[c]);
   }

@@ -128,8 +128,11 @@ TEST_F(LightingExchange, LinksEqualTwin) {
               seen[3], apart);
 }
 
+// The ball's lights enter apart.
 TEST_F(LightingExchange, GatherEqualsTwin) {
-  Exchange exchange(context, lit.scene, lit.lighting, bodies(), {directions});
+  std::vector<ExchangeBody> both = bodies();
+  both[1].lights_apart = true;
+  Exchange exchange(context, lit.scene, lit.lighting, both, {directions});
   std::vector<glm::vec3> sent = gpu::download<glm::vec3>(context, exchange.transmitted());
   const std::uint32_t places = exchange.first(1) + 2 * (ball_part.domain.summary.cut_cells + 1);
   std::mt19937 engine(7);
@@ -171,10 +174,12 @@ TEST_F(LightingExchange, GatherEqualsTwin) {
             light = lit.scene.environment.radiance;
           else if (link != link_dark)
             light = glm::mix(glm::dvec3(sent[emitter]), mirrored[emitter], double(link >> 24) / 255);
-          through += (1 - r) * light, back += r * light, f_t += 1 - r, f_r += r;
+          if (body == 0 || link != link_open) through += (1 - r) * light;
+          back += r * light, f_t += 1 - r, f_r += r;
         }
         const std::uint32_t entry = sides[i].entry;
-        const glm::dvec3 lamps = direct[entry], expected = lamps + M_PI * (1 - f_dr) / f_t * through;
+        const glm::dvec3 lamps = direct[entry],
+                         expected = (body == 0 ? lamps : glm::dvec3(0)) + M_PI * (1 - f_dr) / f_t * through;
         next[exchange.first(body) + entry] = (glm::dvec3(irradiance[entry]) - lamps) / (M_PI * f_dr) + back / f_r;
         worst = std::max(worst, glm::distance(expected, glm::dvec3(flux[entry])));
         largest = std::max(largest, glm::length(expected));

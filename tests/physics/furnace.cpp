@@ -13,6 +13,8 @@ namespace {
 class Furnace : public GpuTest {
  protected:
   std::optional<int> interreflections;
+  int grid = 32;
+  glm::ivec2 size{160, 120};
 
   test::FurnaceResult render(const Mesh& mesh, double eta, Transport transport = Transport::report, double g = 0) {
     return render(test::furnace_scene(mesh, eta, g), transport);
@@ -20,8 +22,8 @@ class Furnace : public GpuTest {
 
   test::FurnaceResult render(const Scene& scene, Transport transport = Transport::report) {
     Request request;
-    request.grid = 32;
-    request.size = {160, 120};
+    request.grid = grid;
+    request.size = size;
     request.transport = transport;
     request.interreflections = interreflections;
     const RenderResult result = render_scene(context, scene, make_plan(scene, request, context.info().heap_bytes));
@@ -31,6 +33,27 @@ class Furnace : public GpuTest {
     }
     EXPECT_EQ(result.shaded.negative_pixels, 0u);
     return test::furnace_figures(result.shaded.picture);
+  }
+
+  /// Two units tall; nothing where the mesh has not been fetched.
+  static Mesh bunny() {
+    const std::string path = std::string(ALABASTER_MESHES) + "/bunny00.off";
+    if (!std::filesystem::exists(path)) return {};
+    Mesh mesh = read_off(path);
+    const float scale = 2 / bounds_of(mesh).size().y;
+    return transformed(mesh, scaling(glm::dvec3(scale)));
+  }
+
+  /// A ball and a box of another medium beside it.
+  static Scene neighbours(double eta) {
+    Scene scene = test::furnace_scene(transformed(icosphere(4), translation({-1.05, 0, 0})), eta);
+    Object other = scene.objects[0];
+    other.mesh = transformed(box({1.6f, 1.8f, 1.7f}), translation({1, 0, 0}) * rotation({0, 1, 0}, 20));
+    other.eta = 1.2;
+    other.medium.homogeneous.sigma_s = glm::dvec3(35);
+    scene.objects.push_back(other);
+    scene.cameras[0].to_world = look_at({0.5, 2, 6}, {0, 0, 0});
+    return scene;
   }
 
   void expect_exact(const Mesh& mesh) {
@@ -50,22 +73,23 @@ TEST_F(Furnace, Sphere) { expect_exact(icosphere(5)); }
 TEST_F(Furnace, Ellipsoid) { expect_exact(ellipsoid(5, {1, 0.6f, 0.8f})); }
 TEST_F(Furnace, Box) { expect_exact(transformed(box({1, 0.7f, 0.8f}), rotation({1, 2, 0.5}, 35))); }
 
-// Directional: exact as the report. Beams: the flux is exact and so is the mean over a sphere; pixels show how evenly
-// the beams are laid down. Gather: the mean is as exact as the quadrature of the facets' level; its worst pixel is at
-// the silhouette at eta 1.
+// Directional: exact as the report. Beams: the flux is exact and so is the mean over a sphere; but what was scattered
+// leaves diffusely, at a silhouette, too, and at eta 1 one sees straight through there. Gather: the mean is as exact as
+// the quadrature of the facets' level, and the silhouette by what the ray gathers and what it sees behind.
 TEST_F(Furnace, TransportsOnASphere) {
   struct Tolerance {
     Transport transport;
     double mean, worst;
   };
   for (const auto& [transport, mean_within, worst_within] :
-       {Tolerance{Transport::directional, 1e-3, 1e-2}, Tolerance{Transport::beam, 2e-3, 3e-2},
-        Tolerance{Transport::gather, 1e-2, 0.2}})
+       {Tolerance{Transport::directional, 1e-3, 1e-2}, Tolerance{Transport::beam, 2e-3, 0.2},
+        Tolerance{Transport::gather, 5e-3, 0.1}})
     for (double eta : {1.0, 1.5}) {
       const test::FurnaceResult r = render(icosphere(4), eta, transport);
       std::printf("%s eta %.1f: mean %.5f, worst pixel %.5f off\n", name_of(transport), eta, r.mean, r.worst);
       EXPECT_NEAR(r.mean, 1, mean_within) << name_of(transport) << " eta " << eta;
-      EXPECT_LE(r.worst, worst_within) << name_of(transport) << " eta " << eta;
+      EXPECT_LE(r.worst, eta == 1 ? worst_within : std::min(worst_within, 0.015))
+          << name_of(transport) << " eta " << eta;
     }
 }
 
@@ -121,23 +145,14 @@ TEST_F(Furnace, ConcaveObjectsLightThemselves) {
 }
 
 TEST_F(Furnace, BunnyLightsItself) {
-  const std::string path = std::string(ALABASTER_MESHES) + "/bunny00.off";
-  if (!std::filesystem::exists(path)) GTEST_SKIP() << path << " is not there; third_party/fetch-meshes brings it";
-  Mesh mesh = read_off(path);
-  const float scale = 2 / bounds_of(mesh).size().y;
-  expect_exact(transformed(mesh, scaling(glm::dvec3(scale))));
+  const Mesh mesh = bunny();
+  if (mesh.triangles.empty()) GTEST_SKIP() << "no bunny; third_party/fetch-meshes brings it";
+  expect_exact(mesh);
 }
 
 TEST_F(Furnace, ObjectsLightEachOther) {
   for (double eta : {1.0, 1.5}) {
-    Scene scene = test::furnace_scene(transformed(icosphere(4), translation({-1.05, 0, 0})), eta);
-    Object other = scene.objects[0];
-    other.mesh = transformed(box({1.6f, 1.8f, 1.7f}), translation({1, 0, 0}) * rotation({0, 1, 0}, 20));
-    other.eta = 1.2;
-    other.medium.homogeneous.sigma_s = glm::dvec3(35);
-    scene.objects.push_back(other);
-    scene.cameras[0].to_world = look_at({0.5, 2, 6}, {0, 0, 0});
-    const test::FurnaceResult r = render(scene);
+    const test::FurnaceResult r = render(neighbours(eta));
     std::printf("ball and box, eta %.1f: mean %.4f, worst pixel %.4f off\n", eta, r.mean, r.worst);
     EXPECT_NEAR(r.mean, 1, 1e-3);
     EXPECT_LE(r.worst, 5e-3);
@@ -169,6 +184,85 @@ TEST_F(Furnace, EnergyBalancesWithLightThatEntersAgain) {
   }
   EXPECT_LT(under_way[2], 1e-4);
   for (int i = 0; i < 2; ++i) EXPECT_LT(under_way[i + 1], 0.25 * under_way[i]);
+}
+
+// Every transport brings in light between surfaces.
+class FurnaceOfTransport : public Furnace, public ::testing::WithParamInterface<Transport> {
+ protected:
+  FurnaceOfTransport() { grid = 24, size = {96, 72}; }
+  void expect_mean(const char* what, const Scene& scene) {
+    const test::FurnaceResult r = render(scene, GetParam());
+    std::printf("%s, %s, eta %.1f: mean %.5f, worst pixel %.4f off\n", what, name_of(GetParam()), scene.objects[0].eta,
+                r.mean, r.worst);
+    EXPECT_NEAR(r.mean, 1, 0.01) << what << " eta " << scene.objects[0].eta;
+  }
+};
+
+TEST_P(FurnaceOfTransport, Torus) {
+  for (double eta : {1.0, 1.3, 1.5}) expect_mean("torus", test::furnace_scene(torus(1, 0.4f, 64, 32), eta));
+}
+
+TEST_P(FurnaceOfTransport, Box) {
+  for (double eta : {1.0, 1.5})
+    expect_mean("box", test::furnace_scene(transformed(box({1, 0.7f, 0.8f}), rotation({1, 2, 0.5}, 35)), eta));
+}
+
+TEST_P(FurnaceOfTransport, Bunny) {
+  const Mesh mesh = bunny();
+  if (mesh.triangles.empty()) GTEST_SKIP() << "no bunny; third_party/fetch-meshes brings it";
+  for (double eta : {1.0, 1.5}) expect_mean("bunny", test::furnace_scene(mesh, eta));
+}
+
+TEST_P(FurnaceOfTransport, Neighbours) {
+  for (double eta : {1.0, 1.5}) expect_mean("ball and box", neighbours(eta));
+}
+
+INSTANTIATE_TEST_SUITE_P(All, FurnaceOfTransport,
+                         ::testing::Values(Transport::directional, Transport::beam, Transport::gather),
+                         [](const auto& test) { return name_of(test.param); });
+
+// As above for all light at once: a lamp, a sky, a neighbour and a grey floor.
+TEST_P(FurnaceOfTransport, EnergyBalancesWithLightThatEntersAgain) {
+  Scene scene = test::furnace_scene(torus(1, 0.4f, 64, 32), 1.3);
+  scene.objects[0].medium.homogeneous.sigma_a = {0.1, 0.5, 2};
+  scene.environment.radiance = {0.2f, 0.1f, 0.3f};
+  Object ball = scene.objects[0];
+  ball.mesh = transformed(icosphere(3, 0.4f), translation({0.2, 0.8, 0.1}));
+  ball.eta = 1.1;
+  ball.medium.homogeneous.sigma_s = glm::dvec3(6);
+  scene.objects.push_back(ball);
+  Object floor;
+  floor.role = Role::opaque;
+  floor.mesh = transformed(quad(6, 6), translation({0, -0.8, 0}));
+  floor.albedo = {0.5f, 0.4f, 0.3f};
+  scene.objects.push_back(floor);
+  Object lamp;
+  lamp.role = Role::emissive;
+  lamp.mesh = transformed(quad(1, 1), translation({0.3, 4, 0.2}) * rotation({1, 0, 0}, 180));
+  lamp.radiance = {5, 5, 5};
+  scene.objects.push_back(lamp);
+  Request request;
+  request.transport = GetParam();
+  request.grid = 16;
+  request.size = {32, 24};
+  std::vector<double> under_way;
+  for (int passes : {2, 20}) {
+    request.interreflections = passes;
+    const RenderResult r = render_scene(context, scene, make_plan(scene, request, context.info().heap_bytes));
+    under_way.push_back(r.exchange.under_way);
+    double all = 0, out = 0;  // of both objects, green
+    for (const ObjectReport& object : r.objects) {
+      EXPECT_GT(object.reentered.r, 0.01 * object.energy.in.r);
+      all += object.energy.in.g;
+      out += object.energy.in.g - object.energy.absorbed.g - object.energy.out.g;
+    }
+    EXPECT_GT(r.objects[0].reentered.r, r.objects[0].reentered.b);
+    std::printf("%s, %d passes: under way %.1e, energy %.1e\n", name_of(GetParam()), passes, r.exchange.under_way,
+                out / all);
+    EXPECT_LE(std::abs(out / all), r.exchange.under_way + 1e-5);
+  }
+  EXPECT_GT(under_way[0], 1e-4);
+  EXPECT_LT(under_way[1], 3e-5);
 }
 
 TEST_F(Furnace, ConvexObjectsPayNothing) {

@@ -1,6 +1,7 @@
 // Every transport on wide plates against exact plane-parallel transport: reflectance and transmittance for a beam at
 // normal incidence and their sum for diffuse light by adding-doubling (iadpython 0.5.3; g = 0, the surface's own
 // reflection taken out), and the radiance of thick plates by Chandrasekhar's H function.
+#include <algorithm>
 #include <cmath>
 
 #include "pipeline/render.h"
@@ -74,7 +75,8 @@ class TransportSlabs : public GpuTest {
     return scene;
   }
 
-  /// pi times the radiance at normal view in the plate's middle, over the irradiance.
+  /// pi times the radiance at normal view in the plate's middle (the median: some pixels may see the lamp straight
+  /// through), over the irradiance.
   double radiance_factor(const Slab& slab, Side side, bool lamp, Transport transport, int grid) {
     const Scene scene = plate_scene(slab, side, lamp);
     Request request;
@@ -85,29 +87,41 @@ class TransportSlabs : public GpuTest {
     const RenderResult r = render_scene(context, scene, make_plan(scene, request, context.info().heap_bytes));
     EXPECT_TRUE(r.objects.at(0).solver.converged);
     EXPECT_LT(r.objects.at(0).energy.imbalance(), 1e-5);
-    double sum = 0;
-    for (float v : r.shaded.picture.channels.at("multiple.G")) sum += v / (8 * 8);
+    std::vector<float> values = r.shaded.picture.channels.at("multiple.G");
+    std::nth_element(values.begin(), values.begin() + 32, values.end());
     const double distance = lamp_distance - depth / 2;
     const double irradiance = lamp ? lamp_radiance * lamp_edge * lamp_edge / (distance * distance) : M_PI;
-    return M_PI * sum / irradiance;
+    return M_PI * values[32] / irradiance;
   }
 
   /// Flux that leaves over the flux that arrives, where light leaves diffusely.
   double leaves(const Slab& slab, Side side, bool lamp, Transport transport, int grid) {
-    const double f_dt = 1 - internal_diffuse_reflectance(slab.eta);
-    return radiance_factor(slab, side, lamp, transport, grid) * f_dt * slab.eta * slab.eta /
+    return radiance_factor(slab, side, lamp, transport, grid) * f_dt(slab) * slab.eta * slab.eta /
            fresnel_transmittance(1.0, slab.eta);
+  }
+  static double f_dt(const Slab& slab) { return 1 - internal_diffuse_reflectance(slab.eta); }
+
+  /// Share of a beam that passes without having been scattered.
+  static double goes_straight(const Slab& slab, double cosine) {
+    return std::pow(fresnel_transmittance(cosine, slab.eta), 2) *
+           std::exp(-slab.thickness / refracted_cosine(cosine, slab.eta));
   }
 
   void compare(Transport transport) {
     for (const Slab& slab : slabs) {
-      // Unscattered light never joins the beam transport's diffuse field.
-      const double straight = transport == Transport::beam
-                                  ? std::pow(fresnel_transmittance(1.0, slab.eta), 2) * std::exp(-slab.thickness)
-                                  : 0;
+      // Unscattered light never joins the beam transport's diffuse field: it is seen straight through.
+      const bool beam = transport == Transport::beam;
+      const double straight = beam ? goes_straight(slab, 1) : 0;
+      double straight_diffuse = 0;
+      for (int i = 0; i < 1000 && beam; ++i) {
+        const double mu = (i + 0.5) / 1000;
+        straight_diffuse += 2 * mu * goes_straight(slab, mu) / 1000;
+      }
+      const double as_flux = f_dt(slab) * slab.eta * slab.eta / fresnel_transmittance(1.0, slab.eta);
       const double reflected = leaves(slab, Side::lit, true, transport, 64) / slab.reflected,
                    transmitted = leaves(slab, Side::dark, true, transport, 64) / (slab.transmitted - straight),
-                   diffuse = leaves(slab, Side::lit, false, transport, 64) / slab.diffuse;
+                   diffuse = (leaves(slab, Side::lit, false, transport, 64) - as_flux * straight) /
+                             (slab.diffuse - straight_diffuse);
       std::printf("eta %.1f albedo %.3f depth %2.0f: R %.3f T %.3f diffuse %.3f of exact\n", slab.eta, slab.albedo,
                   slab.thickness, reflected, transmitted, diffuse);
       EXPECT_NEAR(reflected, 1, 0.01);
@@ -139,6 +153,37 @@ TEST_F(TransportSlabs, GatherAtNormalView) {
     std::printf("albedo %.3f, %2.0f deep: gather %.3f, beam %.3f of exact\n", slab.albedo, slab.thickness, found, beam);
     EXPECT_NEAR(found, 1, 0.04);
   }
+}
+
+// A lamp behind a plate that scatters nothing: (1 - R)^2 x / (1 - R^2 x^2) of its radiance, x = exp(-sigma_a d / mu').
+TEST_F(TransportSlabs, LampsAreSeenStraightThrough) {
+  const double tau = 0.7;
+  for (double eta : {1.0, 1.5})
+    for (double cosine : {1.0, 0.6}) {
+      Scene scene = plate_scene({eta, 1e-6, tau}, Side::lit, false);
+      scene.environment.radiance = glm::vec3(0);
+      Object lamp;
+      lamp.name = "lamp";
+      lamp.role = Role::emissive;
+      lamp.mesh = transformed(quad(2, 2), translation({0, 0, -0.1}) * rotation({1, 0, 0}, 90));
+      lamp.radiance = {1, 2, 3};
+      scene.objects.push_back(lamp);
+      scene.cameras[0].to_world =
+          glm::mat4(look_at({0.3 * std::sqrt(1 - cosine * cosine), 0, 0.3 * cosine}, {0, 0, 0}));
+      Request request;
+      request.size = {8, 8};
+      request.grid = 48;
+      request.transport = Transport::beam;
+      request.light_samples = 8;
+      const RenderResult r = render_scene(context, scene, make_plan(scene, request, context.info().heap_bytes));
+      const double R = fresnel_reflectance(cosine, eta), x = std::exp(-tau / refracted_cosine(cosine, eta)),
+                   exact = (1 - R) * (1 - R) * x / (1 - R * R * x * x);
+      for (int c = 0; c < 3; ++c) {
+        double sum = 0;
+        for (float v : r.shaded.picture.channels.at(std::string("multiple.") + "RGB"[c])) sum += v / (8 * 8);
+        EXPECT_NEAR(sum / (c + 1) / exact, 1, 5e-3) << "eta " << eta << " cosine " << cosine;
+      }
+    }
 }
 
 }  // namespace

@@ -1,0 +1,77 @@
+#include "pipeline/body_light.h"
+
+namespace alabaster {
+
+BodyLight::BodyLight(gpu::Context& context, Transport transport, const Domain& domain, const Diffusion& diffusion,
+                     double eta)
+    : diffusion_(diffusion), eta_(eta), facets_(context, domain), add_(context, "lighting/add_source.comp") {
+  if (transport == Transport::directional) directional_ = std::make_unique<DirectionalSource>(context, domain);
+  if (transport == Transport::beam || transport == Transport::gather)
+    beam_ = std::make_unique<BeamSource>(context, domain, diffusion.channels());
+  if (!apart()) return;
+  const std::size_t bytes = facets_.count() * sizeof(glm::vec3);
+  gamma_s_ = gpu::Buffer(context, bytes, "Gamma of all light");
+  query_gamma_ = gpu::Buffer(context, bytes, "query Gamma of all light");
+  entered_ = gpu::Buffer(context, bytes, "all that enters");
+}
+
+void BodyLight::record_own(gpu::Commands& commands, const Lighting& lighting, const OpenSky& sky) {
+  const Diffusion& d = diffusion_;
+  const gpu::Buffer& media = d.facet_medium();
+  if (directional_) directional_->record(commands, lighting, media, eta_, sky);
+  if (beam_)
+    beam_->record(commands, lighting, {d.kappa(), d.absorption(), media, d.kappa_scale(), d.channels()}, eta_, sky);
+}
+
+void BodyLight::record_lights(gpu::Commands& commands, const Lighting& lighting) {
+  summed_ = false;
+  if (apart())
+    record_own(commands, lighting, {});
+  else
+    facets_.record(commands, lighting, diffusion_.facet_medium(), eta_);
+}
+
+void BodyLight::record_lamps(gpu::Commands& commands, const Lighting& lighting) const {
+  facets_.record_direct(commands, lighting, eta_, false);
+}
+
+void BodyLight::record_lights_apart(gpu::Commands& commands, const Lighting& lighting, const OpenSky& sky) {
+  if (apart()) record_own(commands, lighting, sky);
+}
+
+void BodyLight::record_surfaces(gpu::Commands& commands) {
+  facets_.record_source(commands, diffusion_.facet_medium());
+  summed_ = apart();
+  if (!summed_) return;
+  const Own lights = own();
+  commands.dispatch(add_, {facets_.count(), 1, 1},
+                    {{"own_gamma", lights.gamma_s},
+                     {"own_query", lights.query_gamma},
+                     {"own_entered", lights.entered},
+                     {"surfaces_gamma", facets_.gamma_s()},
+                     {"surfaces_flux", facets_.flux()},
+                     {"gamma_s", gamma_s_},
+                     {"query_gamma", query_gamma_},
+                     {"entered", entered_}},
+                    facets_.count());
+}
+
+BodyLight::Own BodyLight::own() const {
+  if (beam_) return {beam_->gamma_s(), beam_->query_gamma(), beam_->entered()};
+  if (directional_) return {directional_->gamma_s(), directional_->query_gamma(), directional_->entered()};
+  return {facets_.gamma_s(), facets_.gamma_s(), facets_.gamma_s()};
+}
+
+FacetLight BodyLight::light() const {
+  const Own all = summed_ ? Own{gamma_s_, query_gamma_, entered_} : own();
+  FacetLight light(all.gamma_s, 2);
+  light.query = &all.query_gamma;
+  light.entered = &all.entered;
+  if (!beam_) return light;
+  light.volume = &beam_->power();
+  light.volume_power = beam_->totals().in_cells;
+  light.through = &beam_->through();
+  return light;
+}
+
+}  // namespace alabaster
