@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "lighting/facet_source.h"
-#include "lighting/triangle_tree.h"
 #include "shared/exchange.h"
 
 namespace alabaster {
@@ -64,7 +63,7 @@ class Exchange {
     gpu::Buffer side_buffer, links, irradiance;
   };
   void find_links(const Scene& scene, const Lighting& lighting);
-  LinkPush link_push(const Part& part, const TriangleTree& tree) const;
+  LinkPush link_push(const Part& part) const;
 
   gpu::Context& context_;
   int directions_;
