@@ -7,8 +7,7 @@
 
 namespace alabaster {
 
-static_assert(sizeof(ExchangeSide) == 8 && sizeof(LinkHit) == 8 && sizeof(LinkPush) == 56 &&
-              sizeof(ExchangePush) == 36);
+static_assert(sizeof(ExchangeSide) == 8 && sizeof(LinkPush) == 48 && sizeof(ExchangePush) == 36);
 
 namespace {
 
@@ -55,7 +54,7 @@ Exchange::Exchange(gpu::Context& context, const Scene& scene, const Lighting& li
     most_sides = std::max(most_sides, part.sides.size());
   }
   directions_ = static_cast<int>(
-      std::clamp<std::size_t>(settings.memory / (most_sides * sizeof(LinkHit)), 4, std::size_t(directions_)));
+      std::clamp<std::size_t>(settings.memory / (most_sides * sizeof(RayHit)), 4, std::size_t(directions_)));
   for (Part& part : bodies_) {
     const std::size_t count = std::max<std::size_t>(part.sides.size(), 1);
     part.side_buffer = gpu::Buffer(context, count * sizeof(ExchangeSide), "exchange sides");
@@ -75,17 +74,16 @@ Exchange::Exchange(gpu::Context& context, const Scene& scene, const Lighting& li
   commands.submit();
 }
 
-LinkPush Exchange::link_push(const Part& part, const TriangleTree& tree) const {
+LinkPush Exchange::link_push(const Part& part) const {
   LinkPush push{};
   push.sides = static_cast<std::uint32_t>(part.sides.size());
   push.directions = static_cast<std::uint32_t>(directions_);
-  push.tree = {tree.leaves(), tree.leaf_triangles()};
   return push;
 }
 
 void Exchange::find_links(const Scene& scene, const Lighting& lighting) {
   const std::size_t objects = scene.objects.size();
-  const TriangleTree tree(context_, scene);
+  const gpu::Bindings tree = lighting.meshes().rays.bindings();
   std::vector<gpu::Buffer> hits(bodies_.size());
   gpu::Buffer counts(context_, (objects + 2) * sizeof(std::uint32_t), "link counts", gpu::Memory::host);
   const std::uint32_t* met = static_cast<const std::uint32_t*>(counts.mapped());
@@ -97,14 +95,14 @@ void Exchange::find_links(const Scene& scene, const Lighting& lighting) {
     for (std::size_t i = 0; i < bodies_.size(); ++i) {
       Part& part = bodies_[i];
       hits[i] = gpu::Buffer(context_, part.links.bytes() * 2, "link hits");
-      gpu::Bindings bindings = tree.bindings();
+      gpu::Bindings bindings = tree;
       for (const gpu::Binding& b : gpu::Bindings{{"sides", part.side_buffer},
                                                  {"receivers", part.body.source.receivers()},
                                                  {"hits", hits[i]},
                                                  {"links", part.links},
                                                  {"counts", counts}})
         bindings.push_back(b);
-      const LinkPush push = link_push(part, tree);
+      const LinkPush push = link_push(part);
       counts_.rays += std::uint64_t(push.sides) * push.directions;
       const auto timer = commands.time("links");
       commands.dispatch(links_pass_, {push.sides, push.directions, 1}, bindings, push);
@@ -131,12 +129,13 @@ void Exchange::find_links(const Scene& scene, const Lighting& lighting) {
   commands.fill(transmitted_);
   for (std::size_t i = 0; i < bodies_.size(); ++i) {
     const auto timer = commands.time("links");
-    LinkPush push = link_push(bodies_[i], tree);
-    const gpu::Bindings shared{{"tree_triangles", tree.triangles()},
-                               {"sides", bodies_[i].side_buffer},
-                               {"receivers", bodies_[i].body.source.receivers()},
-                               {"hits", hits[i]},
-                               {"links", bodies_[i].links}};
+    LinkPush push = link_push(bodies_[i]);
+    gpu::Bindings shared = tree;
+    for (const gpu::Binding& b : gpu::Bindings{{"sides", bodies_[i].side_buffer},
+                                               {"receivers", bodies_[i].body.source.receivers()},
+                                               {"hits", hits[i]},
+                                               {"links", bodies_[i].links}})
+      shared.push_back(b);
     for (const Part& seen : bodies_) {
       if (!met[seen.body.object]) continue;
       push.first = seen.first;

@@ -9,7 +9,6 @@
 
 #include "lighting/directional_source.h"
 #include "lighting/facet_source.h"
-#include "lighting/triangle_tree.h"
 #include "shared/exchange.h"
 
 namespace alabaster {
@@ -71,7 +70,7 @@ class Exchange {
     gpu::Buffer side_buffer, side_of, links, irradiance;
   };
   void find_links(const Scene& scene, const Lighting& lighting);
-  LinkPush link_push(const Part& part, const TriangleTree& tree) const;
+  LinkPush link_push(const Part& part) const;
 
   gpu::Context& context_;
   int directions_;

@@ -34,6 +34,7 @@ class Lighting {
   /// What a shader that includes lighting/gather.glsl needs.
   gpu::Bindings bindings() const;
 
+  const SceneMeshes& meshes() const { return meshes_; }
   const LightSamples& samples() const { return samples_; }
   std::uint32_t maps() const { return static_cast<std::uint32_t>(views_.size()); }
   const gpu::Image& shadow_maps() const { return shadow_maps_; }

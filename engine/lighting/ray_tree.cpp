@@ -1,16 +1,19 @@
 #include "lighting/ray_tree.h"
 
+#include <tbb/parallel_invoke.h>
+
 #include <algorithm>
 #include <numeric>
 
 namespace alabaster {
 
-static_assert(sizeof(RayNode) == 32 && sizeof(RayTriangle) == 44);
+static_assert(sizeof(RayNode) == 32 && sizeof(RayTriangle) == 48 && sizeof(RayHit) == 8);
 
 namespace {
 
 constexpr int bins = 16;
 constexpr std::uint32_t most_in_leaf = 4;
+constexpr std::uint32_t least_apart = 4096;  // triangles of a node whose children are built side by side
 constexpr float step_cost = 0.6f;  // of a box, in units of a triangle
 
 float half_area(const Bounds& box) {
@@ -35,7 +38,7 @@ class Builder {
       const Object& object = scene.objects[i];
       for (const glm::uvec3& t : object.mesh.triangles) {
         const glm::vec3 a = object.mesh.positions[t.x], b = object.mesh.positions[t.y], c = object.mesh.positions[t.z];
-        triangles_.push_back({a, b - a, c - a, static_cast<uint>(i), object.role == Role::translucent});
+        triangles_.push_back({a, b - a, c - a, static_cast<uint>(i), object.role == Role::translucent, 0});
         Bounds& box = boxes_.emplace_back();
         box.add(a), box.add(b), box.add(c);
       }
@@ -45,9 +48,11 @@ class Builder {
   }
 
   RayTree build() {
-    if (!triangles_.empty()) add_node(0, static_cast<std::uint32_t>(order_.size()));
-    for (std::uint32_t i : order_) tree_.triangles.push_back(triangles_[i]);
-    return std::move(tree_);
+    RayTree tree;
+    if (!triangles_.empty()) add_nodes(0, static_cast<std::uint32_t>(order_.size()), tree.nodes);
+    tree.triangles.reserve(order_.size());
+    for (std::uint32_t i : order_) tree.triangles.push_back(triangles_[i]);
+    return tree;
   }
 
  private:
@@ -96,22 +101,35 @@ class Builder {
     return static_cast<std::uint32_t>(middle - order_.begin());
   }
 
-  void add_node(std::uint32_t first, std::uint32_t end) {
+  void add_nodes(std::uint32_t first, std::uint32_t end, std::vector<RayNode>& nodes) {
     Bounds box, centres;
     for (std::uint32_t i = first; i < end; ++i) add(box, boxes_[order_[i]]), centres.add(boxes_[order_[i]].centre());
     const std::uint32_t middle = part(first, end, box, centres);
-    const std::size_t at = tree_.nodes.size();
-    tree_.nodes.push_back({box.low, first, box.high, middle == end ? end - first : 0});
+    const std::size_t at = nodes.size();
+    nodes.push_back({box.low, first, box.high, middle == end ? end - first : 0});
     if (middle == end) return;
-    add_node(first, middle);
-    add_node(middle, end);
-    tree_.nodes[at].link = static_cast<uint>(tree_.nodes.size());
+    if (end - first < least_apart) {
+      add_nodes(first, middle, nodes);
+      add_nodes(middle, end, nodes);
+    } else {
+      std::vector<RayNode> below[2];
+      tbb::parallel_invoke([&] { add_nodes(first, middle, below[0]); }, [&] { add_nodes(middle, end, below[1]); });
+      for (const std::vector<RayNode>& child : below) append(child, nodes);
+    }
+    nodes[at].link = static_cast<uint>(nodes.size());
+  }
+
+  static void append(const std::vector<RayNode>& child, std::vector<RayNode>& nodes) {
+    const auto before = static_cast<std::uint32_t>(nodes.size());
+    for (RayNode node : child) {
+      if (node.count == 0) node.link += before;
+      nodes.push_back(node);
+    }
   }
 
   std::vector<RayTriangle> triangles_;
   std::vector<Bounds> boxes_;
   std::vector<std::uint32_t> order_;
-  RayTree tree_;
 };
 
 bool meets(const RayNode& box, glm::vec3 origin, glm::vec3 inverse, float near, float far) {
@@ -124,9 +142,9 @@ bool meets(const RayNode& box, glm::vec3 origin, glm::vec3 inverse, float near, 
 
 RayTree make_ray_tree(const Scene& scene) { return Builder(scene).build(); }
 
-RayTreeHit trace(const RayTree& tree, glm::vec3 origin, glm::vec3 direction, float near, float far) {
+RayHit trace(const RayTree& tree, glm::vec3 origin, glm::vec3 direction, float near, float far) {
   const glm::vec3 inverse(ray_inverse(direction.x), ray_inverse(direction.y), ray_inverse(direction.z));
-  RayTreeHit hit{far};
+  RayHit hit{far, ray_missed};
   for (std::uint32_t at = 0; at < tree.nodes.size();) {
     const RayNode& node = tree.nodes[at];
     if (!meets(node, origin, inverse, near, hit.distance)) {
@@ -146,9 +164,29 @@ RayTreeHit trace(const RayTree& tree, glm::vec3 origin, glm::vec3 direction, flo
   return hit;
 }
 
+namespace {
+
+/// An image of rows of 2^ray_row_bits items.
+template <class Item>
+gpu::Image item_image(gpu::Context& context, std::vector<Item> items, uint texels, const char* name) {
+  static_assert(sizeof(Item) % sizeof(glm::uvec4) == 0);
+  constexpr std::size_t in_row = std::size_t(1) << ray_row_bits;
+  const std::size_t rows = std::max<std::size_t>((items.size() + in_row - 1) / in_row, 1);
+  items.resize(rows * in_row, Item{});
+  gpu::ImageSpec spec;
+  spec.size = {texels << ray_row_bits, rows, 1};
+  spec.format = VK_FORMAT_R32G32B32A32_UINT;
+  spec.type = VK_IMAGE_TYPE_2D;
+  gpu::Image image(context, spec, name);
+  gpu::upload(context, image, items);
+  return image;
+}
+
+}  // namespace
+
 DeviceRayTree upload_ray_tree(gpu::Context& context, const RayTree& tree) {
-  return {gpu::make_buffer(context, tree.nodes, "ray tree"), gpu::make_buffer(context, tree.triangles, "ray triangles"),
-          static_cast<std::uint32_t>(tree.nodes.size())};
+  return {item_image(context, tree.nodes, ray_node_texels, "ray tree"),
+          item_image(context, tree.triangles, ray_triangle_texels, "ray triangles")};
 }
 
 }  // namespace alabaster

@@ -4,14 +4,14 @@
 #extension GL_GOOGLE_include_directive : require
 #include "domain/facet_class.glsl"
 #include "lighting/link.glsl"
+#include "lighting/ray_tree.glsl"
 #include "shared/domain.h"
 #include "shared/optics.h"
 layout(local_size_x = 64) in;
 layout(push_constant, scalar) uniform Push { LinkPush push; };
-layout(binding = 1, scalar) readonly buffer TreeTriangles { TreeTriangle tree_triangles[]; };
 layout(binding = 2, scalar) readonly buffer Sides { ExchangeSide sides[]; };
 layout(binding = 3, scalar) readonly buffer Receivers { Receiver receivers[]; };
-layout(binding = 4, scalar) readonly buffer Hits { LinkHit hits[]; };
+layout(binding = 4, scalar) readonly buffer Hits { RayHit hits[]; };
 layout(binding = 5, scalar) buffer Links { uint links[]; };
 layout(binding = 6, r32ui) uniform readonly uimage3D cut_index;  // of what is hit
 layout(binding = 7, scalar) readonly buffer CutCells { GpuCutCell cut_cells[]; };
@@ -19,13 +19,13 @@ layout(binding = 8, scalar) buffer Lost { uint lost; };
 
 void main() {
   const uint i = gl_GlobalInvocationID.x, at = gl_GlobalInvocationID.y * push.sides + i;
-  if (i >= push.sides || hits[at].triangle == tree_nothing) return;
-  const TreeTriangle t = tree_triangles[hits[at].triangle];
-  if (t.object != (push.object | tree_closed)) return;
+  if (i >= push.sides || hits[at].triangle == ray_missed) return;
+  const RayTriangle t = ray_triangle(hits[at].triangle);
+  if (t.object != push.object) return;
   const uint entry = sides[i].entry;
   const Receiver r = receivers[entry];
   const vec3 way = link_direction(r.normal, entry, gl_GlobalInvocationID.y, push.directions);
-  const vec3 normal = normalize(cross(t.b - t.a, t.c - t.a));
+  const vec3 normal = normalize(cross(t.edge1, t.edge2));
   const vec3 place = (link_origin(r) + hits[at].distance * way - push.origin) / push.h;
   const ivec3 cell = ivec3(floor(place));
   const int side = facet_class(normal) & 1;

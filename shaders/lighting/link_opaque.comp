@@ -4,12 +4,12 @@
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
 #include "lighting/link.glsl"
+#include "lighting/ray_tree.glsl"
 layout(local_size_x = 64) in;
 layout(push_constant, scalar) uniform Push { LinkPush push; };
-layout(binding = 1, scalar) readonly buffer TreeTriangles { TreeTriangle tree_triangles[]; };
 layout(binding = 2, scalar) readonly buffer Sides { ExchangeSide sides[]; };
 layout(binding = 3, scalar) readonly buffer Receivers { Receiver receivers[]; };
-layout(binding = 4, scalar) readonly buffer Hits { LinkHit hits[]; };
+layout(binding = 4, scalar) readonly buffer Hits { RayHit hits[]; };
 layout(binding = 5, scalar) buffer Links { uint links[]; };
 layout(binding = 6, scalar) buffer Count { uint count; };  // emitters so far
 layout(binding = 7, scalar) writeonly buffer Places { Receiver places[]; };
@@ -17,13 +17,13 @@ layout(binding = 8, scalar) writeonly buffer Transmitted { vec3 transmitted[]; }
 
 void main() {
   const uint i = gl_GlobalInvocationID.x, at = gl_GlobalInvocationID.y * push.sides + i;
-  if (i >= push.sides || hits[at].triangle == tree_nothing) return;
-  const TreeTriangle t = tree_triangles[hits[at].triangle];
+  if (i >= push.sides || hits[at].triangle == ray_missed) return;
+  const RayTriangle t = ray_triangle(hits[at].triangle);
   if (t.object != push.object) return;
   const uint entry = sides[i].entry;
   const Receiver r = receivers[entry];
   const vec3 way = link_direction(r.normal, entry, gl_GlobalInvocationID.y, push.directions);
-  const vec3 normal = normalize(cross(t.b - t.a, t.c - t.a));
+  const vec3 normal = normalize(cross(t.edge1, t.edge2));
   const uint slot = atomicAdd(count, 1);
   places[slot] = Receiver(link_origin(r) + hits[at].distance * way, dot(normal, way) > 0 ? -normal : normal, 0);
   transmitted[push.first + slot] = push.albedo * 0.3183098861837907;

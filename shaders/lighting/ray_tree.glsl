@@ -1,29 +1,40 @@
-// What a ray meets: the walk through the tree of lighting/ray_tree.h. Needs scalar block layout; takes bindings 11 and 12.
+// What a ray meets: the walk through the tree of lighting/ray_tree.h. Takes bindings 11 and 12.
 #include "shared/ray_tree.h"
 
-layout(binding = 11, scalar) readonly buffer Nodes { RayNode nodes[]; };
-layout(binding = 12, scalar) readonly buffer RayTriangles { RayTriangle ray_triangles[]; };
+layout(binding = 11, rgba32ui) uniform readonly uimage2D ray_nodes;
+layout(binding = 12, rgba32ui) uniform readonly uimage2D ray_triangles;
 
-const uint ray_missed = 0xffffffffu;
+ivec2 ray_texel(uint i, uint texels) {
+  return ivec2(texels * (i & ((1u << ray_row_bits) - 1)), i >> ray_row_bits);
+}
 
-struct RayHit {
-  float distance;  // m
-  uint triangle;   // of ray_triangles, or ray_missed
-};
+RayNode ray_node(uint i) {
+  const ivec2 at = ray_texel(i, ray_node_texels);
+  const uvec4 a = imageLoad(ray_nodes, at), b = imageLoad(ray_nodes, at + ivec2(1, 0));
+  return RayNode(uintBitsToFloat(a.xyz), a.w, uintBitsToFloat(b.xyz), b.w);
+}
+
+RayTriangle ray_triangle(uint i) {
+  const ivec2 at = ray_texel(i, ray_triangle_texels);
+  const uvec4 a = imageLoad(ray_triangles, at), b = imageLoad(ray_triangles, at + ivec2(1, 0)),
+              c = imageLoad(ray_triangles, at + ivec2(2, 0));
+  return RayTriangle(uintBitsToFloat(a.xyz), uintBitsToFloat(uvec3(a.w, b.xy)), uintBitsToFloat(uvec3(b.zw, c.x)), c.y, c.z, 0);
+}
 
 // The nearest triangle between `near` and `far`, m.
 RayHit trace_ray(vec3 origin, vec3 direction, float near, float far) {
   const vec3 inverse = vec3(ray_inverse(direction.x), ray_inverse(direction.y), ray_inverse(direction.z));
   RayHit hit = RayHit(far, ray_missed);
-  const uint end = nodes[0].count == 0 ? nodes[0].link : 1;
+  const RayNode root = ray_node(0);
+  const uint end = root.count == 0 ? root.link : 1;
   for (uint at = 0; at < end;) {
-    const RayNode node = nodes[at];
+    const RayNode node = ray_node(at);
     const vec3 a = (node.low - origin) * inverse, b = (node.high - origin) * inverse;
     const vec3 in_ = min(a, b), out_ = max(a, b);
     const bool met = max(max(in_.x, in_.y), max(in_.z, near)) <=
                      min(min(out_.x, out_.y), min(out_.z, hit.distance)) * ray_box_slack;
     for (uint i = 0; met && i < node.count; ++i) {
-      const RayTriangle t = ray_triangles[node.link + i];
+      const RayTriangle t = ray_triangle(node.link + i);
       const vec3 p = cross(direction, t.edge2), from = origin - t.corner, q = cross(from, t.edge1);
       const float det = dot(t.edge1, p);
       if (t.closed != 0 ? det <= 0 : det == 0) continue;

@@ -135,7 +135,7 @@ Mirrored follow(Leaving leaving, LightShare lights, uint orders, vec3 random) {
       sum.surface += throughput * environment_radiance(direction, push.environment_turn);
       break;
     }
-    const RayTriangle t = ray_triangles[hit.triangle];
+    const RayTriangle t = ray_triangle(hit.triangle);
     const MirroredObject object = objects[t.object];
     normal = normalize(cross(t.edge1, t.edge2));
     position = origin + hit.distance * direction;

@@ -1,27 +1,9 @@
-// Light between surfaces: the tree of all triangles, the links from facets to what they see, and what travels along them.
+// Light between surfaces: the links from facets to what they see, and what travels along them.
 #ifndef ALABASTER_SHARED_EXCHANGE_H
 #define ALABASTER_SHARED_EXCHANGE_H
 #include "language.h"
 
 ALABASTER_BEGIN_SHARED
-
-// The tree is complete and binary: node 1 is the root, node k has the children 2 k and 2 k + 1, and the leaves are the nodes
-// `leaves` .. 2 leaves - 1, each with `leaf_triangles` places.
-struct TreeBox {
-  vec3 low, high;  // m; low > high where there is nothing
-};
-
-struct TreeTriangle {
-  vec3 a, b, c;  // m
-  uint object;   // index in Scene::objects, and tree_closed where its back is never seen
-};
-const uint tree_closed = 0x80000000u;
-const uint tree_nothing = 0xffffffffu;
-
-struct TreeShape {
-  uint leaves;  // a power of two
-  uint leaf_triangles;
-};
 
 // One side of a cut cell's surface that has area.
 struct ExchangeSide {
@@ -35,15 +17,9 @@ const uint link_open = 0xffffffffu;  // the environment
 const uint link_dark = 0xfffffffeu;  // something that sends nothing (or is gathered otherwise: a light source)
 const uint link_emitters = 0xfffffeu;
 
-struct LinkHit {
-  uint triangle;   // or tree_nothing
-  float distance;  // m
-};
-
 struct LinkPush {
   uint sides;       // ExchangeSide
   uint directions;
-  TreeShape tree;
   uint first;       // link_facets: emitter of entry 0 of what is hit; link_opaque: of the first place
   uint object;      // link_facets, link_opaque: which object
   float eta;        // link_facets: index inside / outside of what is hit

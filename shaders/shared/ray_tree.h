@@ -5,6 +5,11 @@
 
 ALABASTER_BEGIN_SHARED
 
+// Both lie in images of four words a texel, row by row: lavapipe reads a texel in one go, and the words of a storage
+// buffer one by one.
+const uint ray_node_texels = 2, ray_triangle_texels = 3;
+const uint ray_row_bits = 10;  // a row of the images holds 2^this nodes or triangles
+
 // Nodes lie in depth-first order: below an inner node the next entry is its first child, so that a walk needs no stack.
 struct RayNode {
   vec3 low;    // m
@@ -17,6 +22,14 @@ struct RayTriangle {
   vec3 corner, edge1, edge2;  // m; counter-clockwise seen from outside
   uint object;                // in Scene::objects
   uint closed;                // 1: the surface of a solid, met from outside only
+  uint unused;
+};
+
+const uint ray_missed = 0xffffffffu;
+
+struct RayHit {
+  float distance;  // m
+  uint triangle;   // in the order of the leaves, or ray_missed
 };
 
 const float ray_box_slack = 1.0000004f;  // a box's far side is rounded up by this, so that no ray slips between two

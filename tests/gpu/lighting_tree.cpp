@@ -1,9 +1,8 @@
-// lighting/tree.glsl: what rays meet first, against all triangles one by one in double precision.
+// lighting/ray_tree.glsl: what rays meet first, against all triangles one by one in double precision.
 #include <random>
 
-#include "lighting/triangle_tree.h"
+#include "lighting/ray_tree.h"
 #include "scene/shapes.h"
-#include "shared/exchange.h"
 #include "support/lighting_twin.h"
 #include "support/lit_scene.h"
 
@@ -16,42 +15,39 @@ class LightingTree : public GpuTest {
     glm::vec3 from, way;
   };
 
-  std::vector<LinkHit> trace(const TriangleTree& tree, const std::vector<Ray>& rays) {
+  std::vector<RayHit> on_device(const RayTree& tree, const std::vector<Ray>& rays) {
+    const DeviceRayTree device = upload_ray_tree(context, tree);
     const gpu::Pass pass(context, "test/rays.comp");
-    const gpu::Buffer in = gpu::make_buffer(context, rays, "rays"), out(context, rays.size() * sizeof(LinkHit), "hits");
-    gpu::Bindings bindings = tree.bindings();
+    const gpu::Buffer in = gpu::make_buffer(context, rays, "rays"), out(context, rays.size() * sizeof(RayHit), "hits");
+    gpu::Bindings bindings = device.bindings();
     bindings.push_back({"rays", in});
     bindings.push_back({"hits", out});
-    const struct {
-      TreeShape shape;
-      std::uint32_t count;
-    } push{{tree.leaves(), tree.leaf_triangles()}, static_cast<std::uint32_t>(rays.size())};
+    const auto count = static_cast<std::uint32_t>(rays.size());
     gpu::Commands commands(context);
-    commands.dispatch(pass, {push.count, 1, 1}, bindings, push);
+    commands.dispatch(pass, {count, 1, 1}, bindings, count);
     commands.submit();
-    return gpu::download<LinkHit>(context, out);
+    return gpu::download<RayHit>(context, out);
   }
 
   /// The nearest triangle of the tree that the ray meets, closed objects from outside only.
-  static double nearest(const std::vector<TreeTriangle>& triangles, const Ray& ray) {
+  static double nearest(const std::vector<RayTriangle>& triangles, const Ray& ray) {
     double least = INFINITY;
-    for (const TreeTriangle& t : triangles) {
-      const glm::dvec3 a = t.a, b = t.b, c = t.c;
-      if ((t.object & tree_closed) && glm::dot(glm::cross(b - a, c - a), glm::dvec3(ray.way)) >= 0) continue;
+    for (const RayTriangle& t : triangles) {
+      const glm::dvec3 a = t.corner, b = a + glm::dvec3(t.edge1), c = a + glm::dvec3(t.edge2);
+      if (t.closed && glm::dot(glm::cross(b - a, c - a), glm::dvec3(ray.way)) >= 0) continue;
       least = std::min(least, hit_distance(ray.from, ray.way, a, b, c));
     }
     return least;
   }
 
   void expect_twin(const Scene& scene, const std::vector<Ray>& rays, std::size_t least_hits) {
-    const TriangleTree tree(context, scene);
-    const auto triangles = gpu::download<TreeTriangle>(context, tree.triangles());
-    const std::vector<LinkHit> hits = trace(tree, rays);
+    const RayTree tree = make_ray_tree(scene);
+    const std::vector<RayHit> hits = on_device(tree, rays);
     std::size_t met = 0, apart = 0;
     for (std::size_t i = 0; i < rays.size(); ++i) {
-      const double expected = nearest(triangles, rays[i]);
+      const double expected = nearest(tree.triangles, rays[i]);
       met += std::isfinite(expected);
-      const bool found = hits[i].triangle != tree_nothing;
+      const bool found = hits[i].triangle != ray_missed;
       // Rays along a silhouette may go either way.
       if (found != std::isfinite(expected) ||
           (found && std::abs(hits[i].distance - expected) > 1e-4 * (1 + expected))) {
@@ -59,10 +55,10 @@ class LightingTree : public GpuTest {
         continue;
       }
       if (!found) continue;
-      const TreeTriangle& t = triangles.at(hits[i].triangle);
+      const RayTriangle& t = tree.triangles.at(hits[i].triangle);
       const glm::dvec3 place = glm::dvec3(rays[i].from) + double(hits[i].distance) * glm::dvec3(rays[i].way);
-      const glm::dvec3 n = glm::normalize(glm::cross(glm::dvec3(t.b - t.a), glm::dvec3(t.c - t.a)));
-      EXPECT_NEAR(glm::dot(n, place - glm::dvec3(t.a)), 0, 1e-4);
+      const glm::dvec3 n = glm::normalize(glm::cross(glm::dvec3(t.edge1), glm::dvec3(t.edge2)));
+      EXPECT_NEAR(glm::dot(n, place - glm::dvec3(t.corner)), 0, 1e-4);
     }
     EXPECT_GE(met, least_hits);
     EXPECT_LE(apart, rays.size() / 1000);
@@ -104,8 +100,7 @@ TEST_F(LightingTree, GrazingRaysOffASurfaceLeaveItUnhindered) {
     const glm::vec3 side = glm::normalize(glm::cross(r.normal, random_direction()));
     rays.push_back({r.position - 1e-3f * r.normal, glm::normalize(side + 0.05f * r.normal)});
   }
-  const TriangleTree tree(context, ball);
-  for (const LinkHit& hit : trace(tree, rays)) EXPECT_EQ(hit.triangle, tree_nothing);
+  for (const RayHit& hit : on_device(make_ray_tree(ball), rays)) EXPECT_EQ(hit.triangle, ray_missed);
 
   const Scene scene = torus_ball_and_plate();
   rays.clear();
@@ -122,8 +117,7 @@ TEST_F(LightingTree, RaysAlongAxesAndThroughCorners) {
   for (const glm::vec3& p : scene.objects[2].mesh.positions)  // through vertices: no slip between triangles
     rays.push_back({{0.3f, 5, 0.1f}, glm::normalize(p - glm::vec3(0.3f, 5, 0.1f))});
   std::size_t met = 0;
-  const TriangleTree tree(context, scene);
-  for (const LinkHit& hit : trace(tree, rays)) met += hit.triangle != tree_nothing;
+  for (const RayHit& hit : on_device(make_ray_tree(scene), rays)) met += hit.triangle != ray_missed;
   EXPECT_EQ(met, rays.size());  // the plate stops what misses the ball
   rays.clear();
   std::uniform_real_distribution<float> uniform(-1.5f, 1.5f);

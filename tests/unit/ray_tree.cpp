@@ -1,4 +1,4 @@
-// The tree of all triangles: its walk on the CPU against brute force. (The walk in compute is tested with the picture.)
+// The tree of all triangles: its walk on the CPU against brute force. (Its walk in compute: gpu/lighting_tree.cpp.)
 #include "lighting/ray_tree.h"
 
 #include <gtest/gtest.h>
@@ -42,7 +42,7 @@ TEST(RayTree, MeetsWhatBruteForceMeets) {
         if (object.role == Role::translucent && glm::dot(glm::cross(b - a, c - a), glm::dvec3(ray)) >= 0) continue;
         nearest = std::min(nearest, hit_distance(from, ray, a, b, c));
       }
-    const RayTreeHit hit = trace(tree, from, ray);
+    const RayHit hit = trace(tree, from, ray);
     hits += std::isfinite(nearest);
     if (std::isfinite(nearest) != (hit.triangle != UINT32_MAX) ||
         (std::isfinite(nearest) && std::abs(hit.distance - nearest) > 1e-5))
