@@ -25,13 +25,15 @@ BeamSource::BeamSource(gpu::Context& context, const Domain& domain, int channels
       receivers_(context, domain),
       march_(context, "lighting/beam_march.comp"),
       source_(context, "lighting/beam_source.comp"),
-      through_pass_(context, "lighting/beam_through.comp"),
+      share_(context, "lighting/beam_through.comp", {0}),
+      spread_(context, "lighting/beam_through.comp", {1}),
       counters_(context, 2 * 3 * BEAM_COUNTERS * sizeof(std::uint32_t), "beam counters", gpu::Memory::host),
       leaving_(context, 2 * 3 * receivers_.count() * sizeof(std::uint32_t), "beams that leave"),
       gamma_s_(context, receivers_.count() * sizeof(glm::vec3), "beam Gamma_f"),
       query_gamma_(context, receivers_.count() * sizeof(glm::vec3), "beam query Gamma"),
       entered_(context, receivers_.count() * sizeof(glm::vec3), "beam entered flux"),
       near_(context, receivers_.count() * sizeof(glm::vec4), "beam near light"),
+      shares_(context, receivers_.count() * sizeof(glm::vec3), "beam through, shares"),
       through_(context, receivers_.count() * sizeof(glm::vec3), "beam through") {
   const glm::ivec3 n = domain.frame.cells;
   const std::size_t words = std::size_t(n.x) * n.y * n.z * channels;
@@ -78,8 +80,12 @@ void BeamSource::record(gpu::Commands& commands, const Lighting& lighting, const
   commands.dispatch(march_, {push.count, 1, 1}, bindings, push);
   commands.dispatch(source_, {n.x / 4, n.y, n.z * channels_},
                     {{"deposits", deposits_}, {"carries", carries_}, {"power", power_}}, push);
-  commands.dispatch(through_pass_, {receivers_.count(), 1, 1},
-                    {{"leaving", leaving_}, {"cut_cells", domain_.cut_cells}, {"through", through_}}, push);
+  const gpu::Bindings through{{"leaving", leaving_},
+                              {"cut_cells", domain_.cut_cells},
+                              {"cut_index", domain_.cut_index},
+                              {"shares", shares_},
+                              {"through", through_}};
+  for (const gpu::Pass* pass : {&share_, &spread_}) commands.dispatch(*pass, {receivers_.count(), 1, 1}, through, push);
 }
 
 BeamTotals BeamSource::totals() const {

@@ -37,7 +37,7 @@ class BeamSource {
   const gpu::Buffer& query_gamma() const { return query_gamma_; }
   const gpu::Buffer& entered() const { return entered_; }
   const gpu::Buffer& near() const { return near_; }
-  /// W/m^2, two vec3 an entry: what leaves there unscattered.
+  /// W/m^2, two vec3 an entry: what leaves there unscattered, spread over the facets around that look the same way.
   const gpu::Buffer& through() const { return through_; }
   /// Scattered in the cells, W, packed like kappa.
   const gpu::Image& power() const { return power_; }
@@ -48,8 +48,8 @@ class BeamSource {
   const Domain& domain_;
   int channels_;
   FacetReceivers receivers_;
-  gpu::Pass march_, source_, through_pass_;
-  gpu::Buffer deposits_, carries_, counters_, leaving_, gamma_s_, query_gamma_, entered_, near_, through_;
+  gpu::Pass march_, source_, share_, spread_;
+  gpu::Buffer deposits_, carries_, counters_, leaving_, gamma_s_, query_gamma_, entered_, near_, shares_, through_;
   gpu::Image power_;
   glm::dvec3 unit_{0};
 };
