@@ -272,6 +272,11 @@ Context::~Context() {
   if (instance_) vkDestroyInstance(instance_, nullptr);
 }
 
+std::vector<std::string> Context::validation_messages() const {
+  const std::lock_guard lock(messages_guard_);
+  return messages_;
+}
+
 VkDeviceMemory Context::allocate(const VkMemoryRequirements& needs, bool host_visible, const std::string& name) {
   const VkMemoryPropertyFlags host = VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
   const VkMemoryPropertyFlags local = VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT;
@@ -312,7 +317,9 @@ VKAPI_ATTR VkBool32 VKAPI_CALL Context::on_message(VkDebugUtilsMessageSeverityFl
                                                    VkDebugUtilsMessageTypeFlagsEXT,
                                                    const VkDebugUtilsMessengerCallbackDataEXT* data, void* user) {
   std::fprintf(stderr, "vulkan: %s\n", data->pMessage);
-  static_cast<Context*>(user)->messages_.emplace_back(data->pMessage);
+  Context& context = *static_cast<Context*>(user);
+  const std::lock_guard lock(context.messages_guard_);
+  context.messages_.emplace_back(data->pMessage);
   return VK_FALSE;
 }
 

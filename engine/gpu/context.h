@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <map>
+#include <mutex>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -60,7 +61,7 @@ class Context {
   bool validation() const { return messenger_ != VK_NULL_HANDLE; }
 
   /// Warnings and errors of the validation layers so far. Tests fail on any.
-  const std::vector<std::string>& validation_messages() const { return messages_; }
+  std::vector<std::string> validation_messages() const;
 
   VkDeviceMemory allocate(const VkMemoryRequirements& needs, bool host_visible, const std::string& name);
   void release(VkDeviceMemory memory);
@@ -98,6 +99,7 @@ class Context {
   VkPhysicalDeviceLimits limits_{};
   VkPhysicalDeviceMemoryProperties memory_{};
   PFN_vkSetDebugUtilsObjectNameEXT set_name_ = nullptr;
+  mutable std::mutex messages_guard_;  // pipelines are made by several threads
   std::vector<std::string> messages_;
   std::map<VkDeviceMemory, std::uint64_t> allocations_;
   std::uint64_t allocated_ = 0, peak_ = 0;

@@ -207,20 +207,36 @@ Specialisation::Specialisation(const Constants& constants) {
   info = {static_cast<std::uint32_t>(entries.size()), entries.data(), words.size() * 4, words.data()};
 }
 
-Pass::Pass(Context& context, const std::string& shader, const Constants& constants) : layout_(context, {shader}) {
+namespace {
+
+VkPipeline make_pipeline(const PassLayout& layout, const Constants& constants) {
   const Specialisation specialisation(constants);
   VkComputePipelineCreateInfo info{VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO};
   info.stage.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO;
   info.stage.stage = VK_SHADER_STAGE_COMPUTE_BIT;
-  info.stage.module = layout_.modules[0];
+  info.stage.module = layout.modules[0];
   info.stage.pName = "main";
   info.stage.pSpecializationInfo = &specialisation.info;
-  info.layout = layout_.layout;
-  check(vkCreateComputePipelines(context.device(), context.pipeline_cache(), 1, &info, nullptr, &pipeline_),
-        shader + ": vkCreateComputePipelines");
-  context.name(VK_OBJECT_TYPE_PIPELINE, reinterpret_cast<std::uint64_t>(pipeline_), shader);
+  info.layout = layout.layout;
+  Context& context = layout.context;
+  VkPipeline pipeline = VK_NULL_HANDLE;
+  check(vkCreateComputePipelines(context.device(), context.pipeline_cache(), 1, &info, nullptr, &pipeline),
+        layout.name + ": vkCreateComputePipelines");
+  context.name(VK_OBJECT_TYPE_PIPELINE, reinterpret_cast<std::uint64_t>(pipeline), layout.name);
+  return pipeline;
 }
 
-Pass::~Pass() { vkDestroyPipeline(layout_.context.device(), pipeline_, nullptr); }
+}  // namespace
+
+Pipeline::~Pipeline() noexcept {
+  try {
+    group_.wait();
+  } catch (...) {  // whoever dispatched it has heard
+  }
+  vkDestroyPipeline(context_.device(), pipeline_, nullptr);
+}
+
+Pass::Pass(Context& context, const std::string& shader, const Constants& constants)
+    : layout_(context, {shader}), pipeline_(context, [this, constants] { return make_pipeline(layout_, constants); }) {}
 
 }  // namespace alabaster::gpu

@@ -2,6 +2,8 @@
 // names what it binds and how many threads it needs.
 #pragma once
 
+#include <tbb/task_group.h>
+
 #include <glm/glm.hpp>
 #include <span>
 #include <string>
@@ -64,17 +66,40 @@ class PassLayout {
   VkShaderStageFlags stages_ = 0;
 };
 
+/// A pipeline that a thread of its own makes: a driver takes milliseconds for each, and nothing needs it before its first
+/// dispatch.
+class Pipeline {
+ public:
+  template <class Make>
+  Pipeline(Context& context, Make make) : context_(context) {
+    group_.run([this, make = std::move(make)] { pipeline_ = make(); });
+  }
+  ~Pipeline() noexcept;
+  Pipeline(const Pipeline&) = delete;
+  Pipeline& operator=(const Pipeline&) = delete;
+
+  /// Waits for it. Throws what `make` threw.
+  VkPipeline get() const {
+    group_.wait();
+    return pipeline_;
+  }
+
+ private:
+  Context& context_;
+  VkPipeline pipeline_ = VK_NULL_HANDLE;
+  mutable tbb::task_group group_;
+};
+
 class Pass {
  public:
   /// `shader` is its path below shaders/, for example "diffusion/residual.comp"; also its name in labels and timers.
   Pass(Context& context, const std::string& shader, const Constants& constants = {});
-  ~Pass();
   Pass(const Pass&) = delete;
   Pass& operator=(const Pass&) = delete;
 
   const std::string& name() const { return layout_.name; }
   const PassLayout& layout() const { return layout_; }
-  VkPipeline pipeline() const { return pipeline_; }
+  VkPipeline pipeline() const { return pipeline_.get(); }
   /// Workgroups that cover `threads`, rounded up.
   glm::uvec3 groups(glm::uvec3 threads) const {
     return (threads + layout_.reflection.local_size - 1u) / layout_.reflection.local_size;
@@ -82,7 +107,7 @@ class Pass {
 
  private:
   PassLayout layout_;
-  VkPipeline pipeline_ = VK_NULL_HANDLE;
+  Pipeline pipeline_;
 };
 
 /// Specialisation constants in the form Vulkan takes; keeps the data alive.

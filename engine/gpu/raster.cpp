@@ -2,22 +2,22 @@
 
 namespace alabaster::gpu {
 
-RasterPass::RasterPass(Context& context, const std::string& vertex, const std::string& fragment,
-                       const RasterOptions& options)
-    : layout_(context, {vertex, fragment}) {
+namespace {
+
+VkPipeline make_pipeline(const PassLayout& layout, const RasterOptions& options) {
   const Specialisation specialisation(options.constants);
   VkPipelineShaderStageCreateInfo stages[2]{};
   for (int i = 0; i < 2; ++i) {
     stages[i].sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO;
     stages[i].stage = i == 0 ? VK_SHADER_STAGE_VERTEX_BIT : VK_SHADER_STAGE_FRAGMENT_BIT;
-    stages[i].module = layout_.modules[static_cast<std::size_t>(i)];
+    stages[i].module = layout.modules[static_cast<std::size_t>(i)];
     stages[i].pName = "main";
     stages[i].pSpecializationInfo = &specialisation.info;
   }
 
   std::vector<VkVertexInputAttributeDescription> attributes;
   VkVertexInputBindingDescription binding{0, 0, VK_VERTEX_INPUT_RATE_VERTEX};
-  for (VkFormat format : layout_.reflection.vertex_inputs) {
+  for (VkFormat format : layout.reflection.vertex_inputs) {
     attributes.push_back({static_cast<std::uint32_t>(attributes.size()), 0, format, binding.stride});
     binding.stride += format == VK_FORMAT_R32_SFLOAT         ? 4u
                       : format == VK_FORMAT_R32G32_SFLOAT    ? 8u
@@ -74,12 +74,20 @@ RasterPass::RasterPass(Context& context, const std::string& vertex, const std::s
   info.pDepthStencilState = &depth;
   info.pColorBlendState = &blend;
   info.pDynamicState = &dynamic;
-  info.layout = layout_.layout;
-  check(vkCreateGraphicsPipelines(context.device(), context.pipeline_cache(), 1, &info, nullptr, &pipeline_),
-        fragment + ": vkCreateGraphicsPipelines");
-  context.name(VK_OBJECT_TYPE_PIPELINE, reinterpret_cast<std::uint64_t>(pipeline_), fragment);
+  info.layout = layout.layout;
+  Context& context = layout.context;
+  VkPipeline pipeline = VK_NULL_HANDLE;
+  check(vkCreateGraphicsPipelines(context.device(), context.pipeline_cache(), 1, &info, nullptr, &pipeline),
+        layout.name + ": vkCreateGraphicsPipelines");
+  context.name(VK_OBJECT_TYPE_PIPELINE, reinterpret_cast<std::uint64_t>(pipeline), layout.name);
+  return pipeline;
 }
 
-RasterPass::~RasterPass() { vkDestroyPipeline(layout_.context.device(), pipeline_, nullptr); }
+}  // namespace
+
+RasterPass::RasterPass(Context& context, const std::string& vertex, const std::string& fragment,
+                       const RasterOptions& options)
+    : layout_(context, {vertex, fragment}),
+      pipeline_(context, [this, options] { return make_pipeline(layout_, options); }) {}
 
 }  // namespace alabaster::gpu

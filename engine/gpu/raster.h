@@ -23,15 +23,14 @@ class RasterPass {
  public:
   /// Vertex inputs are read from one buffer, interleaved and tightly packed in the order of their locations.
   RasterPass(Context& context, const std::string& vertex, const std::string& fragment, const RasterOptions& options);
-  ~RasterPass();
   RasterPass(const RasterPass&) = delete;
   RasterPass& operator=(const RasterPass&) = delete;
   const PassLayout& layout() const { return layout_; }
-  VkPipeline pipeline() const { return pipeline_; }
+  VkPipeline pipeline() const { return pipeline_.get(); }
 
  private:
   PassLayout layout_;
-  VkPipeline pipeline_ = VK_NULL_HANDLE;
+  Pipeline pipeline_;
 };
 
 struct Target {
