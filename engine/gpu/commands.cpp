@@ -43,6 +43,11 @@ void Commands::finish_dispatch() {
   if (barriers_) barrier();
 }
 
+const Buffer& Commands::keep(Buffer buffer) {
+  kept_.push_back(std::move(buffer));
+  return kept_.back();
+}
+
 void Commands::barrier() {
   VkMemoryBarrier2 memory{VK_STRUCTURE_TYPE_MEMORY_BARRIER_2};
   memory.srcStageMask = memory.dstStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT;

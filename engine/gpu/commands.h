@@ -2,6 +2,7 @@
 // independent, so passes read what the passes before them wrote.
 #pragma once
 
+#include <deque>
 #include <optional>
 #include <string>
 #include <vector>
@@ -47,6 +48,9 @@ class Commands {
     barriers_ = before;
     barrier();
   }
+
+  /// Keeps a buffer that only these commands use for as long as they may run.
+  const Buffer& keep(Buffer buffer);
 
   void barrier();
   void fill(const Buffer& buffer, std::uint32_t word = 0);
@@ -102,6 +106,7 @@ class Commands {
   VkCommandBuffer commands_ = VK_NULL_HANDLE;
   VkFence fence_ = VK_NULL_HANDLE;
   VkQueryPool queries_ = VK_NULL_HANDLE;
+  std::deque<Buffer> kept_;
   std::vector<std::string> stages_;  // one timer row each: queries 2 * row and 2 * row + 1
   bool barriers_ = true;
   bool recording_ = true;

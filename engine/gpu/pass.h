@@ -66,8 +66,8 @@ class PassLayout {
   VkShaderStageFlags stages_ = 0;
 };
 
-/// A pipeline that a thread of its own makes: a driver takes milliseconds for each, and nothing needs it before its first
-/// dispatch.
+/// A pipeline that a thread of its own makes: a driver takes milliseconds for each, and nothing needs it before its
+/// first dispatch.
 class Pipeline {
  public:
   template <class Make>

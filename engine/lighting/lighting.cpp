@@ -50,7 +50,9 @@ Lighting::Lighting(gpu::Context& context, const Scene& scene, const SceneMeshes&
       nearest_(context, gpu::Filter::nearest),
       closed_casters_(context, "lighting/shadow.vert", "lighting/shadow.frag", depth_only(VK_CULL_MODE_BACK_BIT)),
       open_casters_(context, "lighting/shadow.vert", "lighting/shadow.frag", depth_only(VK_CULL_MODE_NONE)),
-      gather_(context, "lighting/gather.comp") {
+      gather_{{context, "lighting/gather.comp", {gather_one_map}},
+              {context, "lighting/gather.comp", {gather_many_maps}},
+              {context, "lighting/gather.comp", {gather_directions}}} {
   for (const Object& object : scene.objects) closed_.push_back(object.role == Role::translucent);
   make_views(scene, settings);
   upload_environment(scene.environment);
@@ -82,6 +84,7 @@ void Lighting::make_views(const Scene& scene, const LightSettings& settings) {
       for (const ShadowView& view : point_views(sample, focus, nearest, settings.map_size)) add(view, sample.object);
     points.push_back({sample.position, sample.normal, sample.intensity, first,
                       static_cast<std::uint32_t>(views.size()) - first, sample.kind, sample.cone});
+    point_maps_.push_back({points.back().first_view, points.back().views});
   }
   const LightingHeader header{
       static_cast<std::uint32_t>(points.size()), static_cast<std::uint32_t>(samples_.directions.size()),
@@ -143,12 +146,54 @@ void Lighting::record_shadow_maps(gpu::Commands& commands) const {
 void Lighting::record_gather(gpu::Commands& commands, const gpu::Buffer& receivers, std::uint32_t count, double eta,
                              const gpu::Buffer& flux, bool environment) const {
   const auto timer = commands.time("gather");
+  commands.fill(flux);
+  if (count == 0) return;
+  environment = environment && samples_.environment != glm::vec3(0);
+  const gpu::Buffer& openness =
+      commands.keep(gpu::Buffer(context_, (environment ? count : 1) * sizeof(glm::vec2), "openness"));
   gpu::Bindings all = bindings();
   all.push_back({"receivers", receivers});
   all.push_back({"flux", flux});
-  commands.dispatch(
-      gather_, {count, 1, 1}, all,
-      GatherPush{count, static_cast<float>(eta), static_cast<float>(1 - diffuse_reflectance(eta)), environment});
+  all.push_back({"environment", openness});
+  GatherPush push{};
+  push.receivers = count;
+  push.eta = static_cast<float>(eta);
+  push.f_dt_outer = static_cast<float>(1 - diffuse_reflectance(eta));
+  record_points(commands, all, push);
+  if (!environment) return;
+  commands.fill(openness);
+  record_directions(commands, all, push);
+}
+
+void Lighting::record_points(gpu::Commands& commands, const gpu::Bindings& bindings, GatherPush push) const {
+  const glm::uvec3 threads(push.receivers, 1, 1);
+  for (std::uint32_t i = 0; i < point_maps_.size(); ++i) {
+    const bool one = point_maps_[i].y <= 1;
+    if (one) {
+      push.points[static_cast<int>(push.count)] = i;
+      push.maps[static_cast<int>(push.count)] = point_maps_[i].x;
+      ++push.count;
+    } else {
+      GatherPush alone = push;
+      alone.points.x = i;
+      commands.dispatch(gather_[gather_many_maps], threads, bindings, alone);
+    }
+    if (push.count == gather_at_once || (push.count > 0 && i + 1 == point_maps_.size())) {
+      commands.dispatch(gather_[gather_one_map], threads, bindings, push);
+      push.count = 0;
+    }
+  }
+}
+
+void Lighting::record_directions(gpu::Commands& commands, const gpu::Bindings& bindings, GatherPush push) const {
+  const auto directions = static_cast<std::uint32_t>(samples_.directions.size());
+  const std::uint32_t first = maps() - directions;
+  for (std::uint32_t next = 0; !push.last; next += push.count) {
+    push.count = std::min(directions - next, gather_at_once);
+    for (std::uint32_t k = 0; k < push.count; ++k) push.maps[static_cast<int>(k)] = first + next + k;
+    push.last = next + push.count == directions;
+    commands.dispatch(gather_[gather_directions], {push.receivers, 1, 1}, bindings, push);
+  }
 }
 
 gpu::Bindings Lighting::bindings() const {

@@ -48,6 +48,8 @@ class Lighting {
     glm::mat4 to_clip;
     int skip;  // object that casts no shadow in it: the light itself; -1 none
   };
+  void record_points(gpu::Commands& commands, const gpu::Bindings& bindings, GatherPush push) const;
+  void record_directions(gpu::Commands& commands, const gpu::Bindings& bindings, GatherPush push) const;
   void make_views(const Scene& scene, const LightSettings& settings);
   void upload_environment(const Environment& environment);
 
@@ -55,14 +57,15 @@ class Lighting {
   const SceneMeshes& meshes_;
   LightSamples samples_;
   std::vector<View> views_;
-  std::vector<bool> closed_;  // by object
+  std::vector<glm::uvec2> point_maps_;  // first and number, of each light point
+  std::vector<bool> closed_;            // by object
   gpu::Buffer lights_, view_buffer_;
   gpu::Image shadow_maps_;
   gpu::Image environment_;
   float environment_turn_ = 0;
   gpu::Sampler compare_, nearest_;
   gpu::RasterPass closed_casters_, open_casters_;
-  gpu::Pass gather_;
+  gpu::Pass gather_[3];  // by part
 };
 
 }  // namespace alabaster

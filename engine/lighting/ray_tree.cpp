@@ -14,7 +14,7 @@ namespace {
 constexpr int bins = 16;
 constexpr std::uint32_t most_in_leaf = 4;
 constexpr std::uint32_t least_apart = 4096;  // triangles of a node whose children are built side by side
-constexpr float step_cost = 0.6f;  // of a box, in units of a triangle
+constexpr float step_cost = 0.6f;            // of a box, in units of a triangle
 
 float half_area(const Bounds& box) {
   const glm::vec3 e = box.size();

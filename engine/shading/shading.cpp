@@ -189,11 +189,60 @@ Shading::Shading(gpu::Context& context)
       linear_(context, gpu::Filter::linear),
       nearest_(context, gpu::Filter::nearest),
       visibility_(context, "shading/visibility.vert", "shading/visibility.frag", id_and_depth()),
+      places_{{context, "shading/plain_places.comp", {0}}, {context, "shading/plain_places.comp", {1}}},
       plain_(context, "shading/plain.comp"),
       translucent_(context, "shading/translucent.comp"),
       reflection_(std::make_unique<Reflection>(context)) {}
 
 Shading::~Shading() = default;
+
+void Shading::draw_visible(const Input& input, const glm::mat4& matrix, const gpu::Targets& targets) const {
+  gpu::Commands commands(context_);
+  {
+    const auto timer = commands.time("visibility");
+    commands.begin_rendering(targets);
+    for (std::size_t i = 0; i < input.meshes.ranges.size(); ++i)
+      if (input.meshes.ranges[i].count)
+        commands.draw(visibility_, {}, input.meshes.geometry(i), VisibilityPush{matrix, input.meshes.ranges[i].first});
+    commands.end_rendering();
+  }
+  commands.submit();
+}
+
+void Shading::record_plain(gpu::Commands& commands, const Input& input, const CameraRays& rays,
+                           const gpu::Bindings& shared) const {
+  const PlainObjects plain = plain_objects(input.scene);
+  const PlainPush push{rays, input.lighting.environment_turn()};
+  const std::size_t pixels = std::size_t(rays.size.x) * rays.size.y;
+  gpu::Bindings bindings = shared;
+  bindings.push_back({"objects", commands.keep(gpu::make_buffer(context_, plain.objects, "plain objects"))});
+  bindings.push_back(
+      {"triangle_objects", commands.keep(gpu::make_buffer(context_, plain.of_triangle, "objects of triangles"))});
+  bindings.push_back(
+      {"first_places", commands.keep(gpu::Buffer(context_, pixels * sizeof(std::uint32_t), "places of pixels"))});
+  gpu::Bindings writing = bindings;
+
+  gpu::Buffer count(context_, sizeof(std::uint32_t), "plain places", gpu::Memory::host), none(context_, 0, "no places");
+  writing.push_back({"count", count});
+  writing.push_back({"places", none});
+  gpu::Commands counting(context_);
+  counting.fill(count);
+  counting.dispatch(places_[0], {rays.size, 1}, writing, push);
+  counting.submit();
+  const std::uint32_t places = *static_cast<const std::uint32_t*>(count.mapped());
+
+  const gpu::Buffer& receivers = commands.keep(gpu::Buffer(context_, places * sizeof(Receiver), "places"));
+  const gpu::Buffer& irradiance = commands.keep(gpu::Buffer(context_, places * sizeof(glm::vec3), "irradiance"));
+  writing.pop_back();
+  writing.push_back({"places", receivers});
+  const auto timer = commands.time("plain");
+  commands.dispatch(places_[1], {rays.size, 1}, writing, push);
+  input.lighting.record_gather(commands, receivers, places, 1, irradiance);
+  bindings.push_back(input.lighting.environment_binding());
+  bindings.push_back({"irradiance", irradiance});
+  commands.dispatch(plain_, {rays.size, 1}, bindings, push);
+  commands.keep(std::move(count));
+}
 
 ShadedPicture Shading::shade(const Input& input) const {
   check_frame(input.frame);
@@ -204,21 +253,6 @@ ShadedPicture Shading::shade(const Input& input) const {
   const gpu::Image ids = image2d(context_, fine, id_format, "visible");
   const gpu::Image depth = image2d(context_, fine, VK_FORMAT_D32_SFLOAT, "depth");
   const Sums sums(context_, size);
-  const PlainObjects plain = plain_objects(input.scene);
-  const gpu::Buffer objects = gpu::make_buffer(context_, plain.objects, "plain objects");
-  const gpu::Buffer triangle_objects = gpu::make_buffer(context_, plain.of_triangle, "objects of triangles");
-
-  const MirroredScene mirrored = reflection_->prepare(input);
-
-  gpu::Commands commands(context_);
-  {
-    const auto timer = commands.time("visibility");
-    commands.begin_rendering({fine, {{&ids}}, &depth});
-    for (std::size_t i = 0; i < input.meshes.ranges.size(); ++i)
-      if (input.meshes.ranges[i].count)
-        commands.draw(visibility_, {}, input.meshes.geometry(i), VisibilityPush{matrix, input.meshes.ranges[i].first});
-    commands.end_rendering();
-  }
   const gpu::Bindings shared{{"visible", ids, nearest_},
                              {"positions", input.meshes.positions},
                              {"triangles", input.meshes.triangles},
@@ -227,15 +261,11 @@ ShadedPicture Shading::shade(const Input& input) const {
                              {"fluence", sums.fluence},
                              {"gamma_s", sums.gamma_s},
                              {"normals", sums.normals}};
-  {
-    const auto timer = commands.time("plain");
-    gpu::Bindings bindings = shared;
-    for (const gpu::Binding& light : input.lighting.bindings()) bindings.push_back(light);
-    bindings.push_back(input.lighting.environment_binding());
-    bindings.push_back({"objects", objects});
-    bindings.push_back({"triangle_objects", triangle_objects});
-    commands.dispatch(plain_, {rays.size, 1}, bindings, PlainPush{rays, input.lighting.environment_turn()});
-  }
+  draw_visible(input, matrix, {fine, {{&ids}}, &depth});
+  const MirroredScene mirrored = reflection_->prepare(input);
+
+  gpu::Commands commands(context_);
+  record_plain(commands, input, rays, shared);
   reflection_->record_glow(commands, input, mirrored);
   for (const TranslucentSurface& surface : input.surfaces) {
     gpu::Bindings bindings = shared;

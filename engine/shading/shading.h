@@ -10,6 +10,7 @@
 #include "lighting/lighting.h"
 #include "shading/gather_exit.h"
 #include "shading/straight.h"
+#include "shared/shading.h"
 
 namespace alabaster {
 
@@ -70,10 +71,15 @@ class Shading {
   ShadedPicture shade(const Input& input) const;
 
  private:
+  void draw_visible(const Input& input, const glm::mat4& matrix, const gpu::Targets& targets) const;
+  /// Counts the places that it wants light at before it returns; needs the visible triangles.
+  void record_plain(gpu::Commands& commands, const Input& input, const CameraRays& rays,
+                    const gpu::Bindings& shared) const;
+
   gpu::Context& context_;
   gpu::Sampler linear_, nearest_;
   gpu::RasterPass visibility_;
-  gpu::Pass plain_, translucent_;
+  gpu::Pass places_[2], plain_, translucent_;    // places: counted, written
   mutable std::unique_ptr<gpu::Pass> gathered_;  // made when first wanted
   std::unique_ptr<Reflection> reflection_;
 };

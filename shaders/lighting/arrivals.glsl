@@ -1,4 +1,4 @@
-// The light of all samples at a receiver, one sample at a time: what gather() adds up, for those who ask where it comes from.
+// The light of all samples at a receiver, one sample at a time: what gather.comp adds up, for those who ask where it comes from.
 // Needs a push block with a SkyLinks; takes bindings 17 and 18.
 #include "lighting/gather.glsl"
 #include "lighting/link.glsl"
@@ -17,8 +17,7 @@ bool by_links() { return push.sky.sides > 0; }
 uint arrivals() { return lighting.points + (by_links() ? push.sky.directions : lighting.directions); }
 
 vec3 environment_way(uint direction) {
-  const mat4 m = views[lighting.first_view + direction].to_clip;
-  return -normalize(vec3(m[0][2], m[1][2], m[2][2]));
+  return way_of_map(views[lighting.first_view + direction]);
 }
 
 // The environment over one receiver.

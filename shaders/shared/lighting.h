@@ -60,11 +60,20 @@ struct LightingHeader {
 const uint most_light_points = 1024;
 const uint most_shadow_views = 960;
 
+// Parts of a gather (gather.comp).
+const int gather_one_map = 0;    // light points of one map at most
+const int gather_many_maps = 1;  // a point with several
+const int gather_directions = 2; // of the environment
+const uint gather_at_once = 4;   // points or directions
+
 struct GatherPush {
   uint receivers;
   float eta;         // index inside / outside; 1 gathers plain irradiance
   float f_dt_outer;  // 1 - F_dr of diffuse light from outside
-  uint environment;  // 0: leave it out
+  uint count;        // of the points and maps below
+  uvec4 points;      // light points
+  uvec4 maps;        // their shadow maps, or the directions'
+  uint last;         // 1: no directions are left
 };
 
 // The surface pieces of a domain's cut cells as receivers.
