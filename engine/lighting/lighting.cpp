@@ -51,7 +51,7 @@ Lighting::Lighting(gpu::Context& context, const Scene& scene, const SceneMeshes&
       closed_casters_(context, "lighting/shadow.vert", "lighting/shadow.frag", depth_only(VK_CULL_MODE_BACK_BIT)),
       open_casters_(context, "lighting/shadow.vert", "lighting/shadow.frag", depth_only(VK_CULL_MODE_NONE)),
       gather_{{context, "lighting/gather.comp", {gather_one_map}},
-              {context, "lighting/gather.comp", {gather_many_maps}},
+              {context, "lighting/gather.comp", {gather_other_maps}},
               {context, "lighting/gather.comp", {gather_directions}}} {
   for (const Object& object : scene.objects) closed_.push_back(object.role == Role::translucent);
   make_views(scene, settings);
@@ -167,31 +167,22 @@ void Lighting::record_gather(gpu::Commands& commands, const gpu::Buffer& receive
 
 void Lighting::record_points(gpu::Commands& commands, const gpu::Bindings& bindings, GatherPush push) const {
   const glm::uvec3 threads(push.receivers, 1, 1);
-  for (std::uint32_t i = 0; i < point_maps_.size(); ++i) {
-    const bool one = point_maps_[i].y <= 1;
-    if (one) {
-      push.points[static_cast<int>(push.count)] = i;
-      push.maps[static_cast<int>(push.count)] = point_maps_[i].x;
-      ++push.count;
-    } else {
-      GatherPush alone = push;
-      alone.points.x = i;
-      commands.dispatch(gather_[gather_many_maps], threads, bindings, alone);
-    }
-    if (push.count == gather_at_once || (push.count > 0 && i + 1 == point_maps_.size())) {
-      commands.dispatch(gather_[gather_one_map], threads, bindings, push);
-      push.count = 0;
-    }
+  const auto points = static_cast<std::uint32_t>(point_maps_.size());
+  const auto one_map = [&](std::uint32_t i) { return i < points && point_maps_[i].y == 1; };
+  for (push.point = 0; push.point < points; push.point += push.count) {
+    push.map = point_maps_[push.point].x;
+    push.count = 1;
+    const bool one = one_map(push.point);
+    while (one && push.count < gather_at_once && one_map(push.point + push.count)) ++push.count;
+    commands.dispatch(gather_[one ? gather_one_map : gather_other_maps], threads, bindings, push);
   }
 }
 
 void Lighting::record_directions(gpu::Commands& commands, const gpu::Bindings& bindings, GatherPush push) const {
-  const auto directions = static_cast<std::uint32_t>(samples_.directions.size());
-  const std::uint32_t first = maps() - directions;
-  for (std::uint32_t next = 0; !push.last; next += push.count) {
-    push.count = std::min(directions - next, gather_at_once);
-    for (std::uint32_t k = 0; k < push.count; ++k) push.maps[static_cast<int>(k)] = first + next + k;
-    push.last = next + push.count == directions;
+  const std::uint32_t end = maps(), first = end - static_cast<std::uint32_t>(samples_.directions.size());
+  for (push.map = first; !push.last; push.map += push.count) {
+    push.count = std::min(end - push.map, gather_at_once);
+    push.last = push.map + push.count == end;
     commands.dispatch(gather_[gather_directions], {push.receivers, 1, 1}, bindings, push);
   }
 }

@@ -18,7 +18,7 @@ vec3 from_point(Receiver r, uint point, uint map) {
   bool inside;
   const vec3 arriving = unshadowed(light, r.position, r.normal, push.eta, cos_middle);
   const float lit = look_up(map, r.position, r.normal, r.slack, inside);
-  return (light.views == 0 || cos_middle <= 0 ? 1 : lit) * arriving;
+  return (cos_middle <= 0 ? 1 : lit) * arriving;
 }
 
 vec2 from_direction(Receiver r, uint map) {
@@ -28,24 +28,22 @@ vec2 from_direction(Receiver r, uint map) {
   return weight * vec2(1 - look_up(map, r.position, r.normal, r.slack, inside), 1);
 }
 
+// gather_at_once of them, written out: the index of a loop is not known to be the same for all threads.
+#define POINT(k) if (k < push.count) sum += from_point(r, push.point + k, push.map + k);
+#define DIRECTION(k) if (k < push.count) open += from_direction(r, push.map + k);
+
 void main() {
   const uint i = gl_GlobalInvocationID.x;
   if (i >= push.receivers) return;
   const Receiver r = receivers[i];
   vec3 sum = vec3(0);
   if (part == gather_one_map) {
-    sum = from_point(r, push.points.x, push.maps.x);
-    if (push.count > 1) sum += from_point(r, push.points.y, push.maps.y);
-    if (push.count > 2) sum += from_point(r, push.points.z, push.maps.z);
-    if (push.count > 3) sum += from_point(r, push.points.w, push.maps.w);
-  } else if (part == gather_many_maps) {
-    sum = gather_points(r.position, r.normal, r.slack, push.eta, push.points.x, most_light_points);
+    POINT(0) POINT(1) POINT(2) POINT(3) POINT(4) POINT(5) POINT(6) POINT(7)
+  } else if (part == gather_other_maps) {
+    sum = gather_points(r.position, r.normal, r.slack, push.eta, push.point, most_light_points);
   } else {
     vec2 open = environment[i];
-    if (push.count > 0) open += from_direction(r, push.maps.x);
-    if (push.count > 1) open += from_direction(r, push.maps.y);
-    if (push.count > 2) open += from_direction(r, push.maps.z);
-    if (push.count > 3) open += from_direction(r, push.maps.w);
+    DIRECTION(0) DIRECTION(1) DIRECTION(2) DIRECTION(3) DIRECTION(4) DIRECTION(5) DIRECTION(6) DIRECTION(7)
     environment[i] = open;
     // What is blocked is sampled and what is open is in closed form: an unblocked point gets exactly pi L (1 - F_dr).
     if (push.last != 0)

@@ -61,18 +61,17 @@ const uint most_light_points = 1024;
 const uint most_shadow_views = 960;
 
 // Parts of a gather (gather.comp).
-const int gather_one_map = 0;    // light points of one map at most
-const int gather_many_maps = 1;  // a point with several
-const int gather_directions = 2; // of the environment
-const uint gather_at_once = 4;   // points or directions
+const int gather_one_map = 0;     // light points of one map each
+const int gather_other_maps = 1;  // a point with none or several
+const int gather_directions = 2;  // of the environment
+const uint gather_at_once = 8;    // points or directions
 
 struct GatherPush {
   uint receivers;
   float eta;         // index inside / outside; 1 gathers plain irradiance
   float f_dt_outer;  // 1 - F_dr of diffuse light from outside
-  uint count;        // of the points and maps below
-  uvec4 points;      // light points
-  uvec4 maps;        // their shadow maps, or the directions'
+  uint point, map;   // the first; the others follow
+  uint count;
   uint last;         // 1: no directions are left
 };
 
