@@ -7,11 +7,13 @@
 namespace alabaster {
 
 Deflation::Deflation(gpu::Context& context, const gpu::Image& stencil, glm::ivec3 cells, int channels) {
-  const std::vector<float> all = gpu::download<float>(context, stencil);
-  const std::size_t each = all.size() / channels;
   std::vector<Islands> found(channels);
-  tbb::parallel_for(0, channels,
-                    [&](int c) { found[c] = find_islands(cells, std::span(all).subspan(c * each, each)); });
+  {
+    const gpu::Buffer copy = gpu::host_copy(context, stencil);
+    const std::size_t each = copy.bytes() / sizeof(float) / channels;
+    const float* all = static_cast<const float*>(copy.mapped());
+    tbb::parallel_for(0, channels, [&](int c) { found[c] = find_islands(cells, std::span(all + c * each, each)); });
+  }
   std::vector<std::uint32_t> labels, entries;
   std::vector<IslandSpan> spans;
   for (int c = 0; c < channels; ++c) {

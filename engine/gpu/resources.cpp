@@ -221,17 +221,24 @@ void upload_staged(Context& context, const Resource& to, const void* data, std::
 }
 
 template <class Resource>
-void download_staged(Context& context, const Resource& from, void* data, std::size_t bytes) {
+Buffer staged(Context& context, const Resource& from, std::size_t bytes) {
   expect_fits(from, bytes);
   Buffer staging(context, from.bytes(), "staging", Memory::host);
   Commands commands(context);
   record_copy(commands, from, staging, bytes);
   commands.barrier();
   commands.submit();
-  std::memcpy(data, staging.mapped(), bytes);
+  return staging;
+}
+
+template <class Resource>
+void download_staged(Context& context, const Resource& from, void* data, std::size_t bytes) {
+  std::memcpy(data, staged(context, from, bytes).mapped(), bytes);
 }
 
 }  // namespace
+
+Buffer host_copy(Context& context, const Image& from) { return staged(context, from, from.bytes()); }
 
 void upload_bytes(Context& c, const Buffer& to, const void* data, std::size_t bytes) {
   if (!to.mapped()) return upload_staged(c, to, data, bytes);

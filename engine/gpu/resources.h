@@ -109,6 +109,9 @@ void upload_bytes(Context& context, const Image& to, const void* data, std::size
 void download_bytes(Context& context, const Buffer& from, void* data, std::size_t bytes);
 void download_bytes(Context& context, const Image& from, void* data, std::size_t bytes);
 
+/// A copy that the host reads in place (mapped()), of what is too large to be held twice.
+Buffer host_copy(Context& context, const Image& from);
+
 template <class T>
 Buffer make_buffer(Context& context, const std::vector<T>& data, const std::string& name) {
   Buffer buffer(context, data.size() * sizeof(T), name);

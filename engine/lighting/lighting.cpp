@@ -49,12 +49,15 @@ Lighting::Lighting(gpu::Context& context, const Scene& scene, const SceneMeshes&
       compare_(context, gpu::Filter::linear, true),
       nearest_(context, gpu::Filter::nearest),
       closed_casters_(context, "lighting/shadow.vert", "lighting/shadow.frag", depth_only(VK_CULL_MODE_BACK_BIT)),
-      open_casters_(context, "lighting/shadow.vert", "lighting/shadow.frag", depth_only(VK_CULL_MODE_NONE)),
-      gather_{{context, "lighting/gather.comp", {gather_one_map}},
-              {context, "lighting/gather.comp", {gather_other_maps}},
-              {context, "lighting/gather.comp", {gather_directions}}} {
+      open_casters_(context, "lighting/shadow.vert", "lighting/shadow.frag", depth_only(VK_CULL_MODE_NONE)) {
   for (const Object& object : scene.objects) closed_.push_back(object.role == Role::translucent);
   make_views(scene, settings);
+  const auto need = [&](int part) {
+    if (!gather_[part])
+      gather_[part] = std::make_unique<gpu::Pass>(context, "lighting/gather.comp", gpu::Constants{part});
+  };
+  for (const glm::uvec2& maps : point_maps_) need(maps.y == 1 ? gather_one_map : gather_other_maps);
+  if (samples_.environment != glm::vec3(0)) need(gather_directions);
   upload_environment(scene.environment);
   shadow_maps_ = depth_maps(context, settings.map_size, views_.size());
 }
@@ -174,7 +177,7 @@ void Lighting::record_points(gpu::Commands& commands, const gpu::Bindings& bindi
     push.count = 1;
     const bool one = one_map(push.point);
     while (one && push.count < gather_at_once && one_map(push.point + push.count)) ++push.count;
-    commands.dispatch(gather_[one ? gather_one_map : gather_other_maps], threads, bindings, push);
+    commands.dispatch(*gather_[one ? gather_one_map : gather_other_maps], threads, bindings, push);
   }
 }
 
@@ -183,7 +186,7 @@ void Lighting::record_directions(gpu::Commands& commands, const gpu::Bindings& b
   for (push.map = first; !push.last; push.map += push.count) {
     push.count = std::min(end - push.map, gather_at_once);
     push.last = push.map + push.count == end;
-    commands.dispatch(gather_[gather_directions], {push.receivers, 1, 1}, bindings, push);
+    commands.dispatch(*gather_[gather_directions], {push.receivers, 1, 1}, bindings, push);
   }
 }
 

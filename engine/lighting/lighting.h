@@ -1,6 +1,8 @@
 // Shadow maps of all light samples, and the gather of the light that enters at receivers.
 #pragma once
 
+#include <memory>
+
 #include "gpu/commands.h"
 #include "lighting/lights.h"
 #include "lighting/meshes.h"
@@ -65,7 +67,7 @@ class Lighting {
   float environment_turn_ = 0;
   gpu::Sampler compare_, nearest_;
   gpu::RasterPass closed_casters_, open_casters_;
-  gpu::Pass gather_[3];  // by part
+  std::unique_ptr<gpu::Pass> gather_[3];  // by part, those that the lights need
 };
 
 }  // namespace alabaster
