@@ -16,11 +16,6 @@ bool by_links() { return push.sky.sides > 0; }
 
 uint arrivals() { return lighting.points + (by_links() ? push.sky.directions : lighting.directions); }
 
-vec3 environment_way(uint direction) {
-  const mat4 m = views[lighting.first_view + direction].to_clip;
-  return -normalize(vec3(m[0][2], m[1][2], m[2][2]));
-}
-
 // The environment over one receiver.
 struct Sky {
   uint entry, side;

@@ -54,14 +54,19 @@ vec3 gather_points(vec3 position, vec3 normal, float slack, float eta, uint firs
   return sum;
 }
 
+// Towards one of the environment's directions: row 2 of an orthographic map points along the light's way.
+vec3 environment_way(uint direction) {
+  const mat4 m = views[lighting.first_view + direction].to_clip;
+  return -normalize(vec3(m[0][2], m[1][2], m[2][2]));
+}
+
 // Share of the uniform environment's transmitted flux that is not blocked. What is blocked is sampled and what is open
 // is in closed form, so an unblocked point gets exactly pi L (1 - F_dr).
 float environment_openness(vec3 position, vec3 normal, float slack, float eta) {
   float blocked = 0, all = 0;
   for (uint i = 0; i < lighting.directions; ++i) {
     const uint view = lighting.first_view + i;
-    // Row 2 of an orthographic map points along the light's way.
-    const vec3 w = -normalize(vec3(views[view].to_clip[0][2], views[view].to_clip[1][2], views[view].to_clip[2][2]));
+    const vec3 w = environment_way(i);
     const float cos_receiver = dot(normal, w);
     if (cos_receiver <= 0) continue;
     const float weight = cos_receiver * fresnel_transmittance(cos_receiver, eta);
