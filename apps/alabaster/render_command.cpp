@@ -17,7 +17,7 @@ namespace {
 struct Arguments {
   std::string scene, output, png, stats, device, size = "640x480", grid = "auto";
   std::string transport = "report", quality = "balanced", curve = "srgb";
-  std::vector<std::string> components{"multiple", "surface"};
+  std::vector<std::string> components;
   double exposure = 0;
   int light_samples = 0, interreflections = -1, exchange_directions = 0;
   Request request;
@@ -32,9 +32,10 @@ Request request_of(const Arguments& a) {
   request.quality = a.quality == "preview"    ? Quality::preview
                     : a.quality == "accurate" ? Quality::accurate
                                               : Quality::balanced;
-  request.components.clear();
+  if (!a.components.empty()) request.components.emplace();
   for (const std::string& name : a.components)
-    request.components.insert(name == "multiple" ? Component::multiple : Component::surface);
+    request.components->insert(static_cast<Component>(
+        std::find(std::begin(component_names), std::end(component_names), name) - std::begin(component_names)));
   if (a.light_samples > 0) request.light_samples = a.light_samples;
   if (a.interreflections >= 0) request.interreflections = a.interreflections;
   if (a.exchange_directions > 0) request.exchange_directions = a.exchange_directions;
@@ -100,9 +101,9 @@ void add_render(CLI::App& app) {
   command->add_option("--transport", a->transport, "how light enters and leaves")
       ->check(CLI::IsMember(std::vector<std::string>(std::begin(transport_names), std::end(transport_names))))
       ->capture_default_str();
-  command->add_option("--components", a->components, "multiple,surface")
+  command->add_option("--components", a->components, "multiple,single,surface; without single, multiple carries it (default: by transport)")
       ->delimiter(',')
-      ->check(CLI::IsMember({"multiple", "surface"}));
+      ->check(CLI::IsMember(std::vector<std::string>(std::begin(component_names), std::end(component_names))));
   command->add_option("--quality", a->quality, "preview, balanced, accurate")
       ->check(CLI::IsMember({"preview", "balanced", "accurate"}))
       ->capture_default_str();

@@ -29,6 +29,7 @@ void BodyLight::record_lights(gpu::Commands& commands, const Lighting& lighting)
     record_own(commands, lighting, {});
   else
     facets_.record(commands, lighting, diffusion_.facet_medium(), eta_);
+  if (single_) single_->record_take(commands, facets_.gamma_s());
 }
 
 void BodyLight::record_lamps(gpu::Commands& commands, const Lighting& lighting) const {
@@ -41,6 +42,7 @@ void BodyLight::record_lights_apart(gpu::Commands& commands, const Lighting& lig
 
 void BodyLight::record_surfaces(gpu::Commands& commands) {
   facets_.record_source(commands, diffusion_.facet_medium());
+  if (single_) single_->record_take(commands, facets_.gamma_s());
   summed_ = apart();
   if (!summed_) return;
   const Own lights = own();
@@ -59,6 +61,7 @@ void BodyLight::record_surfaces(gpu::Commands& commands) {
 BodyLight::Own BodyLight::own() const {
   if (beam_) return {beam_->gamma_s(), beam_->query_gamma(), beam_->entered()};
   if (directional_) return {directional_->gamma_s(), directional_->query_gamma(), directional_->entered()};
+  if (single_) return {facets_.gamma_s(), single_->query_gamma(), single_->entered()};
   return {facets_.gamma_s(), facets_.gamma_s(), facets_.gamma_s()};
 }
 

@@ -8,6 +8,7 @@
 #include "lighting/beam_source.h"
 #include "lighting/facet_source.h"
 #include "planner/plan.h"
+#include "shading/single.h"
 
 namespace alabaster {
 
@@ -28,6 +29,9 @@ class BodyLight {
   /// True: facets().flux() is to hold what surfaces send and nothing else.
   bool apart() const { return directional_ || beam_; }
   const FacetSource& facets() const { return facets_; }
+  /// From now on the report's Gamma_s is without what leaves by `single`, which outlives this. The other transports'
+  /// sources stay: what leaves at once is in their query.
+  void take_out(const SingleScattering& single) { single_ = apart() ? nullptr : &single; }
 
   /// Of what has been recorded and has run.
   FacetLight light() const;
@@ -45,6 +49,7 @@ class BodyLight {
   FacetSource facets_;
   std::unique_ptr<DirectionalSource> directional_;  // of these the transport's, if any
   std::unique_ptr<BeamSource> beam_;
+  const SingleScattering* single_ = nullptr;
   gpu::Pass add_;
   gpu::Buffer gamma_s_, query_gamma_, entered_;  // sums
   bool summed_ = false;

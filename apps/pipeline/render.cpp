@@ -31,6 +31,7 @@ struct Body {
   std::unique_ptr<Diffusion> diffusion;
   std::unique_ptr<BodyLight> light;
   std::unique_ptr<GatherExit> gather;
+  std::unique_ptr<SingleScattering> single;  // where it is computed by itself
   std::unique_ptr<Straight> straight;
 };
 using Bodies = std::vector<std::unique_ptr<Body>>;
@@ -51,6 +52,12 @@ void report_on(const Object& object, const Body& body, int channels, ObjectRepor
   report.domain = body.domain.summary;
   report.levels = static_cast<int>(body.diffusion->multigrid().levels().size());
   report.channels = channels;
+  if (body.gather) report.gather = body.gather->counts();
+  if (report.gather.bounded > 0.02 * report.gather.sides)
+    result.warnings.push_back(object.name + ": on " + std::to_string(report.gather.bounded) + " of " +
+                              std::to_string(report.gather.sides) +
+                              " facets the gather and the diffusion disagree by more than 2: their light is not "
+                              "balanced; a finer --grid or --transport beam mends it");
   for (const std::string& warning : body.domain.warnings) result.warnings.push_back(object.name + ": " + warning);
   if (!report.solver.converged) result.warnings.push_back(object.name + ": " + report.solver.reason);
 }
@@ -126,8 +133,20 @@ void solve_all(gpu::Context& context, const Scene& scene, const Lighting& lighti
   }
 }
 
+/// `multiple` carries `single` where that is not wanted by itself.
+void fold_single(Picture& picture) {
+  for (const char* channel : {"R", "G", "B"}) {
+    const auto single = picture.channels.find(std::string("single.") + channel);
+    if (single == picture.channels.end()) continue;
+    std::vector<float>& multiple = picture.plane(std::string("multiple.") + channel);
+    for (std::size_t i = 0; i < multiple.size(); ++i) multiple[i] += single->second[i];
+    picture.channels.erase(single);
+  }
+}
+
 /// R, G, B become the sum of the wanted layers; the others' planes are emptied.
 void keep_components(const std::set<Component>& wanted, Picture& picture) {
+  if (!wanted.count(Component::single)) fold_single(picture);
   for (Component component : {Component::multiple, Component::surface}) {
     if (wanted.count(component)) continue;
     for (const char* channel : {"R", "G", "B"}) {
@@ -195,6 +214,14 @@ RenderResult render_scene(gpu::Context& context, const Scene& scene, const Plan&
       if (plan.transport == Transport::gather)
         body.gather =
             std::make_unique<GatherExit>(context, body.domain, *body.diffusion, *body.light->beam(), object.eta);
+      else if (plan.components.count(Component::single))
+        body.single = std::make_unique<SingleScattering>(
+            context, body.domain, *body.diffusion,
+            SingleScattering::Subject{static_cast<int>(i), object.medium, object.eta});
+      if (body.single) {
+        body.single->prepare(*lighting, *meshes);
+        body.light->take_out(*body.single);
+      }
     }
   }
   solve_all(context, scene, *lighting, plan, bodies, result);
@@ -214,6 +241,7 @@ RenderResult render_scene(gpu::Context& context, const Scene& scene, const Plan&
                               {&d.surface_gamma(0), &d.surface_gamma(1)},
                               body->domain.frame,
                               body->gather.get(),
+                              body->single.get(),
                               body->straight.get()});
   }
   result.shaded = shading->shade(input);

@@ -39,7 +39,8 @@ json objects_json(const RenderResult& result) {
                     {"area", o.domain.area},
                     {"solver", solver_json(o)},
                     {"energy", energy_json(o.energy)},
-                    {"reentered", rgb(o.reentered)}});
+                    {"reentered", rgb(o.reentered)},
+                    {"gather", {{"sides", o.gather.sides}, {"bounded", o.gather.bounded}}}});
   return list;
 }
 

@@ -113,10 +113,27 @@ void plan_interreflections(const Scene& scene, const Request& request, Plan& pla
                                    " directions a facet; --interreflections and --exchange-directions set others");
 }
 
+/// Single scattering by itself is free in a gather; elsewhere it takes rays to every light, and only who asks pays.
+void plan_components(const Request& request, Plan& plan) {
+  const bool gather = request.transport == Transport::gather;
+  plan.components = {Component::multiple, Component::surface};
+  if (gather) plan.components.insert(Component::single);
+  plan.components = request.components.value_or(plan.components);
+  if (request.transport == Transport::as_printed) plan.components.erase(Component::single);
+  const bool apart = plan.components.count(Component::single) > 0;
+  plan.reasons.push_back(apart && gather ? "single scattering by itself: the gather has it apart"
+                         : apart         ? "single scattering by itself: --components has it"
+                         : gather        ? "single scattering in `multiple`: --components leaves it there"
+                         : request.transport == Transport::as_printed
+                             ? "single scattering in `multiple`: the query as printed is left as it is"
+                             : "single scattering in `multiple`, whose query carries it: --components "
+                               "multiple,single,surface draws it by itself, by rays to every light");
+}
+
 }  // namespace
 
 const char* name_of(Transport transport) { return transport_names[static_cast<int>(transport)]; }
-const char* name_of(Component component) { return component == Component::multiple ? "multiple" : "surface"; }
+const char* name_of(Component component) { return component_names[static_cast<int>(component)]; }
 
 std::uint64_t bytes_per_cell(int channels) { return 100 + 110 * std::uint64_t(channels); }
 
@@ -125,7 +142,6 @@ Plan make_plan(const Scene& scene, const Request& request, std::uint64_t heap_by
   plan.size = request.size;
   plan.camera = find_camera(scene, request.camera);
   plan.transport = request.transport;
-  plan.components = request.components;
   plan.tolerance = request.tolerance;
   if (!(plan.tolerance > 0 && plan.tolerance < 1))
     throw UserError("--tolerance must lie between 0 and 1; 1e-6 is usual");
@@ -141,10 +157,11 @@ Plan make_plan(const Scene& scene, const Request& request, std::uint64_t heap_by
   const int usual = request.quality == Quality::preview ? 8 : request.quality == Quality::accurate ? 128 : 32;
   plan.light_samples = request.light_samples.value_or(usual);
   plan_interreflections(scene, request, plan);
+  plan_components(request, plan);
   const bool opaque = std::any_of(scene.objects.begin(), scene.objects.end(),
                                   [](const Object& object) { return object.role == Role::opaque; });
   // The directions of light between surfaces see to the environment, too.
-  const bool looked_up = plan.interreflections == 0 || opaque;
+  const bool looked_up = plan.interreflections == 0 || opaque || plan.components.count(Component::single) > 0;
   const bool by_maps = scene.environment.picture || looked_up;
   plan.environment_samples = scene.environment.dark() || !by_maps ? 0 : 2 * usual;
   plan.reasons.push_back(

@@ -19,7 +19,9 @@ namespace alabaster {
 enum class Transport { report, as_printed, directional, beam, gather };
 /// All names of transports, in the enum's order.
 inline constexpr const char* transport_names[] = {"report", "as-printed", "directional", "beam", "gather"};
-enum class Component { multiple, surface };
+enum class Component { multiple, single, surface };
+/// All names of components, in the enum's order.
+inline constexpr const char* component_names[] = {"multiple", "single", "surface"};
 enum class Quality { preview, balanced, accurate };
 
 const char* name_of(Transport transport);
@@ -32,7 +34,7 @@ struct Request {
   std::optional<int> grid;    // cells along the longest side of each translucent object
   double tolerance = 1e-6;    // relative true residual of the solver
   Transport transport = Transport::report;
-  std::set<Component> components{Component::multiple, Component::surface};
+  std::optional<std::set<Component>> components;  // without `single`, `multiple` carries it
   Quality quality = Quality::balanced;
   std::optional<int> light_samples;
   std::optional<int> interreflections;     // passes at most; 0: none

@@ -23,6 +23,7 @@ GatherExit::GatherExit(gpu::Context& context, const Domain& domain, const Diffus
       linear_(context, gpu::Filter::linear),
       grid_(gpu::make_buffer(context, std::vector<GatherGrid>{ray_grid(domain, diffusion, eta)}, "gather grid")),
       levels_(context, 2 * push_.count * sizeof(glm::vec4), "gather levels"),
+      counts_(context, 2 * sizeof(std::uint32_t), "gather counts", gpu::Memory::host),
       density_(cell_image(context, domain, "beam density")),
       near_{cell_image(context, domain, "near light, up"), cell_image(context, domain, "near light, down")},
       level_{cell_image(context, domain, "gather level, up"), cell_image(context, domain, "gather level, down")} {}
@@ -67,8 +68,15 @@ void GatherExit::record(gpu::Commands& commands) const {
   record_spread(commands, beam_.near(), near_);
   gpu::Bindings bindings = ray_bindings();
   bindings.push_back({"levels", levels_});
+  bindings.push_back({"counts", counts_});
+  commands.fill(counts_);
   commands.dispatch(level_pass_, {push_.count, 1, 1}, bindings, push_);
   record_spread(commands, levels_, level_);
+}
+
+GatherExit::Counts GatherExit::counts() const {
+  const auto* words = static_cast<const std::uint32_t*>(counts_.mapped());
+  return {words[GATHER_SIDES], words[GATHER_BOUNDED]};
 }
 
 }  // namespace alabaster

@@ -17,6 +17,12 @@ class GatherExit {
   /// After the solve: densities and levels (stage "gather levels").
   void record(gpu::Commands& commands) const;
 
+  /// Sides of facets whose light was gathered in the last record() that has run, and those whose level was bounded.
+  struct Counts {
+    std::uint32_t sides = 0, bounded = 0;
+  };
+  Counts counts() const;
+
   /// What shading/gathered.comp needs beside the picture's own.
   gpu::Bindings picture_bindings() const;
   /// Levels of the facets' two sides, to be sampled on the surface.
@@ -32,7 +38,7 @@ class GatherExit {
   GatherPicturePush push_;
   gpu::Pass density_pass_, spread_pass_, level_pass_;
   gpu::Sampler linear_;
-  gpu::Buffer grid_, levels_;
+  gpu::Buffer grid_, levels_, counts_;
   gpu::Image density_, near_[2], level_[2];
 };
 

@@ -10,7 +10,8 @@
 
 namespace alabaster {
 
-static_assert(sizeof(CameraRays) == 60 && sizeof(PlainObject) == 20 && sizeof(TranslucentPush) == 116);
+static_assert(sizeof(CameraRays) == 60 && sizeof(PlainObject) == 20 && sizeof(TranslucentPush) == 116 &&
+              sizeof(SinglePush) == 124);
 
 namespace {
 
@@ -88,12 +89,13 @@ Rectangle covered(const Bounds& bounds, const glm::mat4& matrix, glm::uvec2 size
 struct Sums {
   Sums(gpu::Context& context, glm::ivec2 size)
       : multiple(image2d(context, size, format, "multiple")),
+        single(image2d(context, size, format, "single")),
         surface(image2d(context, size, format, "surface")),
         fluence(image2d(context, size, format, "fluence")),
         gamma_s(image2d(context, size, format, "gamma_s")),
         normals(image2d(context, size, format, "normals")) {}
   static constexpr VkFormat format = VK_FORMAT_R32G32B32A32_SFLOAT;
-  gpu::Image multiple, surface, fluence, gamma_s, normals;
+  gpu::Image multiple, single, surface, fluence, gamma_s, normals;
 };
 
 /// Opaque and emissive objects, and the index of each triangle's object among them.
@@ -141,8 +143,9 @@ void check_frame(const Frame& frame) {
 }
 
 /// From the pixel sums to named planes.
-ShadedPicture planes(gpu::Context& context, const Sums& sums, glm::ivec2 size) {
+ShadedPicture planes(gpu::Context& context, const Sums& sums, glm::ivec2 size, bool with_single) {
   const auto multiple = gpu::download<glm::vec4>(context, sums.multiple);
+  const auto single = gpu::download<glm::vec4>(context, sums.single);
   const auto surface = gpu::download<glm::vec4>(context, sums.surface);
   const auto fluence = gpu::download<glm::vec4>(context, sums.fluence);
   const auto gamma_s = gpu::download<glm::vec4>(context, sums.gamma_s);
@@ -162,8 +165,9 @@ ShadedPicture planes(gpu::Context& context, const Sums& sums, glm::ivec2 size) {
   const char* const xyz[] = {"N.X", "N.Y", "N.Z"};
   for (int c = 0; c < 3; ++c) {
     const std::string channel = rgb[c];
-    fill(channel, [&](std::size_t i) { return multiple[i][c] + surface[i][c]; });
+    fill(channel, [&](std::size_t i) { return multiple[i][c] + single[i][c] + surface[i][c]; });
     fill("multiple." + channel, [&](std::size_t i) { return multiple[i][c]; });
+    if (with_single) fill("single." + channel, [&](std::size_t i) { return single[i][c]; });
     fill("surface." + channel, [&](std::size_t i) { return surface[i][c]; });
     fill("fluence." + channel, [&](std::size_t i) { return mean(fluence[i][c], multiple[i].a); });
     fill("gamma_s." + channel, [&](std::size_t i) { return mean(gamma_s[i][c], multiple[i].a); });
@@ -244,6 +248,21 @@ void Shading::record_plain(gpu::Commands& commands, const Input& input, const Ca
   commands.keep(std::move(count));
 }
 
+void Shading::record_single(gpu::Commands& commands, Single single) const {
+  const auto timer = commands.time("single");
+  if (!single_) single_ = std::make_unique<gpu::Pass>(context_, "shading/single.comp");
+  const Lighting& lighting = single.input.lighting;
+  for (const gpu::Bindings& more :
+       {single.surface.single->picture_bindings(), lighting.bindings(), single.input.meshes.rays.bindings()})
+    single.bindings.insert(single.bindings.end(), more.begin(), more.end());
+  const auto lights = static_cast<std::uint32_t>(lighting.samples().area.size() + lighting.samples().directions.size());
+  SinglePush push{single.push, 0, 0};
+  for (; push.first_light < lights; push.first_light += SINGLE_LIGHTS) {
+    push.end_light = std::min(lights, push.first_light + SINGLE_LIGHTS);
+    commands.dispatch(*single_, {single.extent, 1}, single.bindings, push);
+  }
+}
+
 ShadedPicture Shading::shade(const Input& input) const {
   check_frame(input.frame);
   const glm::ivec2 size = input.frame.size;
@@ -266,6 +285,8 @@ ShadedPicture Shading::shade(const Input& input) const {
 
   gpu::Commands commands(context_);
   record_plain(commands, input, rays, shared);
+  bool with_single = false;
+  commands.clear(sums.single);
   reflection_->record_glow(commands, input, mirrored);
   for (const TranslucentSurface& surface : input.surfaces) {
     gpu::Bindings bindings = shared;
@@ -288,15 +309,28 @@ ShadedPicture Shading::shade(const Input& input) const {
       if (!gathered_) gathered_ = std::make_unique<gpu::Pass>(context_, "shading/gathered.comp");
       bindings = surface.gather->picture_bindings();
       for (const gpu::Binding& binding : shared) bindings.push_back(binding);
+      bindings.push_back({"single", sums.single});
+      with_single = true;
       commands.dispatch(*gathered_, {extent, 1}, bindings, push);
     }
-    const Reflection::Target target{surface, rays, rectangle.low, extent, shared};
-    if (surface.straight) reflection_->record_straight(commands, input, mirrored, target);
+    if (surface.single) {
+      with_single = true;
+      bindings = shared;
+      bindings.push_back({"single", sums.single});
+      record_single(commands, {input, surface, push, extent, bindings});
+    }
+    if (surface.straight) {
+      // Light that goes straight through is in the layer of that scattered at most once, where there is one.
+      gpu::Bindings sums_there = shared;
+      for (gpu::Binding& binding : sums_there)
+        if (binding.image == &sums.multiple && (surface.gather || surface.single)) binding.image = &sums.single;
+      reflection_->record_straight(commands, input, mirrored, {surface, rays, rectangle.low, extent, sums_there});
+    }
     if (input.scene.objects[static_cast<std::size_t>(surface.object)].eta != 1)
-      reflection_->record(commands, input, mirrored, target);
+      reflection_->record(commands, input, mirrored, {surface, rays, rectangle.low, extent, shared});
   }
   commands.submit();
-  return planes(context_, sums, size);
+  return planes(context_, sums, size, with_single);
 }
 
 }  // namespace alabaster

@@ -9,6 +9,7 @@
 #include "image/picture.h"
 #include "lighting/lighting.h"
 #include "shading/gather_exit.h"
+#include "shading/single.h"
 #include "shading/straight.h"
 #include "shared/shading.h"
 
@@ -25,9 +26,10 @@ struct TranslucentSurface {
   // Gamma_s of the cells' facets. Not of the pixel: phi knows no light finer than a cell, and the pixel's Gamma_s came
   // out no closer to the path tracer on any grid tried.
   const gpu::Image* gamma_s[2] = {nullptr, nullptr};
-  GridFrame frame;                     // of all; texel (i, j, k) is at origin + h (i + 0.5, ...)
-  const GatherExit* gather = nullptr;  // where set, light leaves by it and not by the query
-  const Straight* straight = nullptr;  // where set, what lies behind is seen straight through
+  GridFrame frame;                           // of all; texel (i, j, k) is at origin + h (i + 0.5, ...)
+  const GatherExit* gather = nullptr;        // where set, light leaves by it and not by the query
+  const SingleScattering* single = nullptr;  // where set, it is drawn by itself and taken off the query
+  const Straight* straight = nullptr;        // where set, what lies behind is seen straight through
 };
 
 struct Frame {
@@ -36,8 +38,9 @@ struct Frame {
 };
 
 struct ShadedPicture {
-  /// R, G, B = multiple + surface. multiple.*: light from inside, of the object itself (and what is seen straight
-  /// through it) or of one that it mirrors;
+  /// R, G, B = multiple + single + surface. multiple.*: light from inside, of the object itself or of one that it
+  /// mirrors; single.*: what of it was scattered once and not mirrored, where that is computed by itself, and what is
+  /// seen straight through the object (without the layer, `multiple` has both);
   /// surface.*: opaque and emissive objects, background, and what of them translucent objects mirror. fluence.*,
   /// gamma_s.*: W/m^2, mean over the pixel's translucent part, 0 without one. N.X, N.Y, N.Z: unit world normal, and Z:
   /// distance from the eye in metres, both means over what the pixel sees, 0 where it sees nothing. object.Y: share of
@@ -65,7 +68,7 @@ class Shading {
     int rough_rays = 4;  // mirrored rays a sample of the picture where a surface is rough, and as many towards lights
     int mirrorings = 2;  // that are followed; what is mirrored once more is taken to see the environment
   };
-  /// Draws the picture (stages "visibility", "plain", "translucent", "glow", "straight",
+  /// Draws the picture (stages "visibility", "plain", "translucent", "glow", "gathered", "single", "straight",
   /// "reflection") and fetches it. Throws
   /// UserError for a frame that makes no sense.
   ShadedPicture shade(const Input& input) const;
@@ -75,12 +78,20 @@ class Shading {
   /// Counts the places that it wants light at before it returns; needs the visible triangles.
   void record_plain(gpu::Commands& commands, const Input& input, const CameraRays& rays,
                     const gpu::Bindings& shared) const;
+  struct Single {
+    const Input& input;
+    const TranslucentSurface& surface;
+    TranslucentPush push;
+    glm::uvec2 extent;  // pixels
+    gpu::Bindings bindings;
+  };
+  void record_single(gpu::Commands& commands, Single single) const;
 
   gpu::Context& context_;
   gpu::Sampler linear_, nearest_;
   gpu::RasterPass visibility_;
-  gpu::Pass places_[2], plain_, translucent_;    // places: counted, written
-  mutable std::unique_ptr<gpu::Pass> gathered_;  // made when first wanted
+  gpu::Pass places_[2], plain_, translucent_;             // places: counted, written
+  mutable std::unique_ptr<gpu::Pass> gathered_, single_;  // made when first wanted
   std::unique_ptr<Reflection> reflection_;
 };
 

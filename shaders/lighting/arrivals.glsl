@@ -16,10 +16,6 @@ bool by_links() { return push.sky.sides > 0; }
 
 uint arrivals() { return lighting.points + (by_links() ? push.sky.directions : lighting.directions); }
 
-vec3 environment_way(uint direction) {
-  return way_of_map(views[lighting.first_view + direction]);
-}
-
 // The environment over one receiver.
 struct Sky {
   uint entry, side;

@@ -64,13 +64,15 @@ vec3 gather_points(vec3 position, vec3 normal, float slack, float eta, uint firs
   return sum;
 }
 
+vec3 environment_way(uint direction) { return way_of_map(views[lighting.first_view + direction]); }
+
 // Share of the uniform environment's transmitted flux that is not blocked. What is blocked is sampled and what is open
 // is in closed form, so an unblocked point gets exactly pi L (1 - F_dr).
 float environment_openness(vec3 position, vec3 normal, float slack, float eta) {
   float blocked = 0, all = 0;
   for (uint i = 0; i < lighting.directions; ++i) {
     const uint view = lighting.first_view + i;
-    const float cos_receiver = dot(normal, way_of_map(views[view]));
+    const float cos_receiver = dot(normal, environment_way(i));
     if (cos_receiver <= 0) continue;
     const float weight = cos_receiver * fresnel_transmittance(cos_receiver, eta);
     bool inside;

@@ -7,6 +7,7 @@
 layout(local_size_x = 64) in;
 layout(push_constant, scalar) uniform Push { GatherPicturePush push; };
 layout(binding = 0, scalar) writeonly buffer Levels { vec4 levels[]; };  // two a cut cell
+layout(binding = 1, scalar) buffer Counts { uint counts[]; };             // GATHER_* of shared/gather.h
 
 vec4 level_of(uint index, int s) {
   const GpuFacet side = cut_cells[index].side[s];
@@ -23,14 +24,22 @@ vec4 level_of(uint index, int s) {
     const float angle = 6.28318531 * (float(i % GATHER_SECTORS) + float(ring) / GATHER_RINGS) / GATHER_SECTORS;
     const vec3 outside = cosine * normal + sine * (cos(angle) * across + sin(angle) * other);
     const float weight = fresnel_transmittance(cosine, grid.eta);
-    gathered += weight * gather_along(from, normal, refracted_inwards(outside, normal, cosine));
+    gathered += weight * gather_along(from, normal, refracted_inwards(outside, normal, cosine)).all;
     weights += weight;
   }
   // Both sides: flux that leaves, times 4 / F_dt.
   gathered /= weights;
   const vec3 wanted = bracket_at(from, (facet_class(normal) & 1) == 1);
   vec4 level = vec4(1);
-  for (int c = 0; c < 3; ++c) level[c] = gathered[c] > 0 ? clamp(wanted[c] / gathered[c], 0.5, 2) : 1;
+  bool bounded = false;
+  for (int c = 0; c < 3; ++c) {
+    if (gathered[c] <= 0) continue;
+    const float ratio = wanted[c] / gathered[c];
+    level[c] = clamp(ratio, GATHER_LEAST_LEVEL, GATHER_MOST_LEVEL);
+    bounded = bounded || level[c] != ratio;
+  }
+  atomicAdd(counts[GATHER_SIDES], 1u);
+  if (bounded) atomicAdd(counts[GATHER_BOUNDED], 1u);
   return level;
 }
 

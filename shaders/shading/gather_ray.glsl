@@ -43,23 +43,29 @@ bool side_at(vec3 p, ivec3 cell, bool down) {
   return to_down < to_up;
 }
 
-vec3 near_part(vec3 p, bool down, Solid s, float cosine) {
+// 4 pi times radiance, W/m^2: all that arrives, and of it what was scattered once (sigma_s' phi_b).
+struct Gathered {
+  vec3 all, single;
+};
+
+Gathered near_part(vec3 p, bool down, Solid s, float cosine) {
   const vec4 near_ = down ? texture(near_down, place_of(p)) : texture(near_up, place_of(p));
-  vec3 sum = vec3(0);
+  Gathered sum = Gathered(vec3(0), vec3(0));
   for (int c = 0; c < 3; ++c) {
     const int k = min(c, grid.channels - 1);
-    const float m = near_mean_depth(max(near_.a, 0.05), max(0.75 * s.sigma_t[k], 1e-4));
-    sum[c] = near_gather(near_[c], m, s.albedo[k], cosine);
+    const float mu = max(near_.a, 0.05), bound = max(0.75 * s.sigma_t[k], 1e-4);
+    sum.single[c] = near_single(near_[c], mu, bound, cosine);
+    sum.all[c] = sum.single[c] - near_surplus(near_[c], near_mean_depth(mu, bound), s.albedo[k], cosine);
   }
   return sum;
 }
 
-// 4 pi times the radiance that arrives at `from` (h, from the grid's corner), on the surface with this normal, along -`along`
-// (unit, inwards), W/m^2.
-vec3 gather_along(vec3 from, vec3 normal, vec3 along) {
+// What arrives at `from` (h, from the grid's corner), on the surface with this normal, along -`along` (unit, inwards).
+Gathered gather_along(vec3 from, vec3 normal, vec3 along) {
   const bool down = (facet_class(normal) & 1) == 1;
   Way w = way_from(from, along, ivec3(floor(from - 1e-3 * normal)));
-  vec3 sum = vec3(0), left = vec3(1);
+  Gathered sum = Gathered(vec3(0), vec3(0));
+  vec3 left = vec3(1);
   bool inside = false;
   const int most_steps = grid.cells.x + grid.cells.y + grid.cells.z;
   for (int n = 0; n < most_steps; ++n) {
@@ -70,7 +76,7 @@ vec3 gather_along(vec3 from, vec3 normal, vec3 along) {
       continue;
     }
     if (grid.channels == 1) s.sigma_t = s.sigma_t.rrr, s.albedo = s.albedo.rrr;
-    if (!inside) sum += near_part(from, down, s, -dot(normal, along));
+    if (!inside) sum = near_part(from, down, s, -dot(normal, along));
     inside = true;
     vec3 far_normal;
     float end = cell_end(w);
@@ -84,22 +90,24 @@ vec3 gather_along(vec3 from, vec3 normal, vec3 along) {
       if (c > 0 && grid.channels == 1) break;
       const vec3 p = w.from + (w.at + length_ * loss_place(depth[c])) * along;
       const float beams = texture(beam_density, place_of(p))[c] * grid.h / max(s.sigma_t[c], 1e-6);
-      sum[c] += lost[c] * (s.albedo[c] * field(p, side_at(p, w.cell, down))[c] + beams);
+      sum.single[c] += lost[c] * beams;
+      sum.all[c] += lost[c] * (s.albedo[c] * field(p, side_at(p, w.cell, down))[c] + beams);
     }
     left -= lost;
     const vec3 at_end = w.from + end * along;
     if (min(left.x, min(left.y, left.z)) * exp(GATHER_DEEP) < 1 && max(left.x, max(left.y, left.z)) * exp(GATHER_DEEP) < 1) {
-      sum += left * s.albedo * field(at_end, down);
+      sum.all += left * s.albedo * field(at_end, down);
       break;
     }
     if (leaves) {
       const float mirrored = fresnel_reflectance(dot(far_normal, along), 1 / grid.eta);
-      sum += left * mirrored * bracket_at(at_end, (facet_class(far_normal) & 1) == 1);
+      sum.all += left * mirrored * bracket_at(at_end, (facet_class(far_normal) & 1) == 1);
       break;
     }
     step_on(w);
   }
-  return grid.channels == 1 ? sum.rrr : sum;
+  if (grid.channels == 1) sum = Gathered(sum.all.rrr, sum.single.rrr);
+  return sum;
 }
 
 // Inwards, from the direction that it leaves by outside.

@@ -8,6 +8,7 @@ layout(local_size_x = 8, local_size_y = 8) in;
 layout(push_constant, scalar) uniform Push { TranslucentPush push; };
 layout(binding = 11) uniform sampler3D level_up;
 layout(binding = 12) uniform sampler3D level_down;
+layout(binding = 13, rgba32f) uniform image2D single;
 void main() {
   const uvec2 pixel = push.corner + gl_GlobalInvocationID.xy;
   if (any(greaterThanEqual(pixel, push.camera.size))) return;
@@ -16,17 +17,19 @@ void main() {
   for (uint s = 0; s < samples; ++s)
     if (sample_id(push.camera, pixel, s) - 1 - push.first < push.count) todo |= 1u << s;
   if (todo == 0) return;
-  vec3 sum = vec3(0);
+  vec3 sum = vec3(0), once = vec3(0);
   while (todo != 0) {
     const Hit hit = next_hit(push.camera, pixel, todo);
     const vec3 at = (hit.position - grid.origin) / grid.h;
     const bool down = (facet_class(hit.normal) & 1) == 1;
     const float cosine = clamp(dot(hit.normal, hit.to_eye), 0.001, 1);
     const vec3 level = down ? texture(level_down, place_of(at)).rgb : texture(level_up, place_of(at)).rgb;
-    const vec3 inside = level * gather_along(at, hit.normal, refracted_inwards(hit.to_eye, hit.normal, cosine));
+    const Gathered inside = gather_along(at, hit.normal, refracted_inwards(hit.to_eye, hit.normal, cosine));
     const float scale = fresnel_transmittance(cosine, grid.eta) / (4 * 3.14159265358979 * grid.eta * grid.eta);
-    sum += hit.weight * scale * inside;
+    once += hit.weight * scale * inside.single;
+    sum += hit.weight * scale * (level * inside.all - inside.single);
   }
   const ivec2 at = ivec2(pixel);
   imageStore(multiple, at, imageLoad(multiple, at) + vec4(sum, 0));
+  imageStore(single, at, imageLoad(single, at) + vec4(once, 0));
 }

@@ -11,6 +11,12 @@ ALABASTER_BEGIN_SHARED
 // Optical depth at which a ray is deep enough.
 #define GATHER_DEEP 5.0
 
+// A facet's level is held between these; how many sides there are and how many it is held on.
+#define GATHER_LEAST_LEVEL 0.5
+#define GATHER_MOST_LEVEL 2.0
+#define GATHER_SIDES 0
+#define GATHER_BOUNDED 1
+
 struct GatherGrid {
   ivec3 cells;
   int channels;      // 1 or 3
@@ -28,12 +34,19 @@ struct GatherPicturePush {
 // Mean depth, in mean free paths, of what a beam of cosine mu scatters down to depth `bound` (in mean free paths).
 SHARED_FN real near_mean_depth(real mu, real bound) { return bound * loss_place(bound / mu); }
 
-// 4 pi times the radiance at the surface, towards cosine mu_view inside, of the light scattered near a facet: its flux
-// `near_flux` is spread as e^(-z / m) over depth (m its mean, in mean free paths) and seen through e^(-s); and less what the fluence
-// that the boundary condition drives says too much near the surface, 3 a' m e^(-z / m) of that flux.
-// With mu = m a half space then has (1 - 3 a' mu^2) / (mu + mu_view).
-SHARED_FN real near_gather(real near_flux, real m, real albedo, real mu_view) {
-  return near_flux * (real(1) - real(3) * albedo * m * m) / (m + mu_view);
+// 4 pi times the radiance at the surface, towards cosine mu_view inside, of the light that a beam of cosine mu scatters down to
+// depth `bound` (mean free paths); `near_flux` is all of it.
+SHARED_FN real near_single(real near_flux, real mu, real bound, real mu_view) {
+  real x = bound / mu, y = bound * (real(1) / mu + real(1) / mu_view);
+  real scattered = x < real(1e-3) ? x * (real(1) - real(0.5) * x) : real(1) - exp(-x);
+  real seen = y < real(1e-3) ? y * (real(1) - real(0.5) * y) : real(1) - exp(-y);
+  return near_flux * seen / (scattered * (mu + mu_view));
+}
+
+// And what the fluence that the boundary condition drives says too much near the surface, 3 a' m e^(-z / m) of that flux, m its
+// mean depth. In a half space that is 3 a' mu^2 / (mu + mu_view).
+SHARED_FN real near_surplus(real near_flux, real m, real albedo, real mu_view) {
+  return near_flux * real(3) * albedo * m * m / (m + mu_view);
 }
 
 ALABASTER_END_SHARED

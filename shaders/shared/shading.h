@@ -42,6 +42,12 @@ struct TranslucentPush {
   float exit_scale;   // 1 / eta^2, or 1 as printed
 };
 
+// Single scattering of the lights from `first_light` to before `end_light`.
+struct SinglePush {
+  TranslucentPush picture;
+  uint first_light, end_light;
+};
+
 ALABASTER_END_SHARED
 
 #endif

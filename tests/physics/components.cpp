@@ -7,7 +7,7 @@ namespace {
 
 class Components : public GpuTest {
  protected:
-  Picture render(std::set<Component> components) {
+  Picture render(std::optional<std::set<Component>> components) {
     const Scene scene = test::furnace_scene(icosphere(3), 1.5);
     Request request;
     request.grid = 16;
@@ -18,8 +18,8 @@ class Components : public GpuTest {
 };
 
 TEST_F(Components, ChosenOnesAddUpToThePicture) {
-  const Picture all = render({Component::multiple, Component::surface}), inner = render({Component::multiple}),
-                mirrored = render({Component::surface});
+  const Picture all = render({{Component::multiple, Component::surface}}), inner = render({{Component::multiple}}),
+                mirrored = render({{Component::surface}});
   double inner_sum = 0, mirrored_sum = 0;
   for (std::size_t i = 0; i < all.channels.at("G").size(); ++i) {
     EXPECT_NEAR(inner.channels.at("G")[i] + mirrored.channels.at("G")[i], all.channels.at("G")[i], 1e-5);

@@ -84,6 +84,7 @@ class TransportSlabs : public GpuTest {
     request.grid = grid;
     request.transport = transport;
     request.light_samples = 1;
+    request.components = {{Component::multiple}};  // single scattering in it
     const RenderResult r = render_scene(context, scene, make_plan(scene, request, context.info().heap_bytes));
     EXPECT_TRUE(r.objects.at(0).solver.converged);
     EXPECT_LT(r.objects.at(0).energy.imbalance(), 1e-5);
