@@ -1,5 +1,7 @@
 #include "pipeline/body_light.h"
 
+#include "shared/optics.h"
+
 namespace alabaster {
 
 BodyLight::BodyLight(gpu::Context& context, Transport transport, const Domain& domain, const Diffusion& diffusion,
@@ -15,12 +17,12 @@ BodyLight::BodyLight(gpu::Context& context, Transport transport, const Domain& d
   entered_ = gpu::Buffer(context, bytes, "all that enters");
 }
 
-void BodyLight::record_own(gpu::Commands& commands, const Lighting& lighting, const OpenSky& sky) {
+void BodyLight::record_own(gpu::Commands& commands, const Lighting& lighting, const Surroundings& around) {
   const Diffusion& d = diffusion_;
   const gpu::Buffer& media = d.facet_medium();
-  if (directional_) directional_->record(commands, lighting, media, eta_, sky);
+  if (directional_) directional_->record(commands, lighting, media, eta_, around);
   if (beam_)
-    beam_->record(commands, lighting, {d.kappa(), d.absorption(), media, d.kappa_scale(), d.channels()}, eta_, sky);
+    beam_->record(commands, lighting, {d.kappa(), d.absorption(), media, d.kappa_scale(), d.channels()}, eta_, around);
 }
 
 void BodyLight::record_lights(gpu::Commands& commands, const Lighting& lighting) {
@@ -36,8 +38,8 @@ void BodyLight::record_lamps(gpu::Commands& commands, const Lighting& lighting) 
   facets_.record_direct(commands, lighting, eta_, false);
 }
 
-void BodyLight::record_lights_apart(gpu::Commands& commands, const Lighting& lighting, const OpenSky& sky) {
-  if (apart()) record_own(commands, lighting, sky);
+void BodyLight::record_lights_apart(gpu::Commands& commands, const Lighting& lighting, const Surroundings& around) {
+  if (apart()) record_own(commands, lighting, around);
 }
 
 void BodyLight::record_surfaces(gpu::Commands& commands) {
@@ -63,6 +65,16 @@ BodyLight::Own BodyLight::own() const {
   if (directional_) return {directional_->gamma_s(), directional_->query_gamma(), directional_->entered()};
   if (single_) return {facets_.gamma_s(), single_->query_gamma(), single_->entered()};
   return {facets_.gamma_s(), facets_.gamma_s(), facets_.gamma_s()};
+}
+
+glm::dvec3 BodyLight::own_power(const std::function<glm::dvec3(const gpu::Buffer&)>& total) const {
+  if (beam_) return beam_->totals().entered;
+  if (!directional_) return glm::dvec3(0);
+  const SurfaceOptics optics(eta_);
+  const glm::dvec3 gamma = total(directional_->gamma_s()), query = total(directional_->query_gamma());
+  glm::dvec3 power;
+  for (int c = 0; c < 3; ++c) power[c] = entering_flux(gamma[c], query[c], optics.A, optics.f_dt);
+  return power;
 }
 
 FacetLight BodyLight::light() const {

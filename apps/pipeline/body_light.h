@@ -2,6 +2,7 @@
 // is diffuse and enters as the report's boundary source.
 #pragma once
 
+#include <functional>
 #include <memory>
 
 #include "diffusion/diffusion.h"
@@ -20,11 +21,11 @@ class BodyLight {
   /// The lights, where no surface sends light to another. The shadow maps of `lighting` have been recorded.
   void record_lights(gpu::Commands& commands, const Lighting& lighting);
 
-  // With light between surfaces, in three steps: what Exchange starts from; the lights, with the open environment as
-  // Exchange::sky() says, where the transport brings them in itself (apart()); and after every
-  // Exchange::record_gather() the sum of both.
+  // With light between surfaces, in three steps: what Exchange starts from; the lights, and what Exchange::around()
+  // knows, where the transport brings them in itself (apart()); and after every Exchange::record_gather() the sum of
+  // both.
   void record_lamps(gpu::Commands& commands, const Lighting& lighting) const;
-  void record_lights_apart(gpu::Commands& commands, const Lighting& lighting, const OpenSky& sky);
+  void record_lights_apart(gpu::Commands& commands, const Lighting& lighting, const Surroundings& around);
   void record_surfaces(gpu::Commands& commands);
   /// True: facets().flux() is to hold what surfaces send and nothing else.
   bool apart() const { return directional_ || beam_; }
@@ -35,6 +36,8 @@ class BodyLight {
 
   /// Of what has been recorded and has run.
   FacetLight light() const;
+  /// W, what enters by the transport's own source; 0 where that is facets(). `total` adds up vec3 of entries, W.
+  glm::dvec3 own_power(const std::function<glm::dvec3(const gpu::Buffer&)>& total) const;
   BeamSource* beam() const { return beam_.get(); }
 
  private:
@@ -42,7 +45,7 @@ class BodyLight {
     const gpu::Buffer &gamma_s, &query_gamma, &entered;
   };
   Own own() const;
-  void record_own(gpu::Commands& commands, const Lighting& lighting, const OpenSky& sky);
+  void record_own(gpu::Commands& commands, const Lighting& lighting, const Surroundings& around);
 
   const Diffusion& diffusion_;
   double eta_;

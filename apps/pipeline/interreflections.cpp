@@ -17,11 +17,15 @@ std::vector<ExchangeBody> exchange_bodies(const std::vector<LitBody>& bodies) {
   return result;
 }
 
+// The transports' own sources bring in what surfaces send when that has come so near to its end.
+constexpr double known_from = 3e-3;
+
 }  // namespace
 
 Interreflections::Interreflections(gpu::Context& context, const Scene& scene, const Lighting& lighting,
                                    const Plan& plan, std::vector<LitBody> bodies)
     : context_(context),
+      lighting_(lighting),
       plan_(plan),
       bodies_(std::move(bodies)),
       exchange_(context, scene, lighting, exchange_bodies(bodies_), {plan.exchange_directions}) {
@@ -29,15 +33,27 @@ Interreflections::Interreflections(gpu::Context& context, const Scene& scene, co
   report_.counts = exchange_.counts();
 }
 
-void Interreflections::start(const Lighting& lighting) {
+void Interreflections::light_apart() {
   gpu::Commands commands(context_);
   for (std::size_t i = 0; i < bodies_.size(); ++i)
-    bodies_[i].light.record_lights_apart(commands, lighting, exchange_.sky(i));
+    bodies_[i].light.record_lights_apart(commands, lighting_, exchange_.around(i));
   commands.submit();
+}
+
+void Interreflections::start() {
+  light_apart();
   gather();
   at_start_ = entered_ = entering();
   lights_ = glm::dvec3(0);
-  for (std::size_t i = 0; i < bodies_.size(); ++i) lights_ += exchange_.total(i, *bodies_[i].light.light().entered);
+  for (const glm::dvec3& entered : entered_) lights_ += entered;
+}
+
+/// The transports' own sources bring in what surfaces send now; what changes from here on enters by the facets.
+void Interreflections::learn() {
+  gpu::Commands commands(context_);
+  exchange_.record_known(commands);
+  commands.submit();
+  light_apart();
 }
 
 void Interreflections::gather() {
@@ -58,10 +74,15 @@ void Interreflections::send() {
   commands.submit();
 }
 
+glm::dvec3 Interreflections::by_facets(std::size_t body) const {
+  return exchange_.total(body, bodies_[body].light.facets().gamma_s());
+}
+
 std::vector<glm::dvec3> Interreflections::entering() const {
   std::vector<glm::dvec3> total;
   for (std::size_t i = 0; i < bodies_.size(); ++i)
-    total.push_back(exchange_.total(i, bodies_[i].light.facets().gamma_s()));
+    total.push_back(by_facets(i) +
+                    bodies_[i].light.own_power([&](const gpu::Buffer& values) { return exchange_.total(i, values); }));
   return total;
 }
 
@@ -79,10 +100,15 @@ double Interreflections::adopt(std::vector<glm::dvec3> entered) {
 void Interreflections::approach() {
   if (report_.counts.translucent == 0) return;
   double moved = 1;
+  bool apart = std::any_of(bodies_.begin(), bodies_.end(), [](const LitBody& body) { return body.light.apart(); });
   for (; report_.passes < plan_.interreflections && moved > exchange_tolerance; ++report_.passes) {
     for (const LitBody& body : bodies_)
       body.diffusion.approach(body.light.light(), std::max(plan_.tolerance, residual_share * moved));
     send();
+    if (apart && moved < known_from) {
+      learn();
+      apart = false;
+    }
     gather();
     moved = adopt(entering());
   }

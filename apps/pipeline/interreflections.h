@@ -32,25 +32,29 @@ class Interreflections {
                    std::vector<LitBody> bodies);
 
   /// What the lights send, and opaque surfaces back. Needed before all else.
-  void start(const Lighting& lighting);
+  void start();
   /// Passes until what surfaces send each other no longer changes. The bodies' light is all light then.
   void approach();
   /// After the last solve: what its fluence sends back, which is what the energy balance needs.
   void settle();
 
-  /// W that enter a body through its facets' boundary source (FacetSource::gamma_s), of it what translucent surfaces
-  /// sent: as the last solve had it, and after settle() as its fluence sends it.
-  glm::dvec3 entered(std::size_t body) const { return entered_[body]; }
+  /// W that enter a body through its facets' boundary source (FacetSource::gamma_s).
+  glm::dvec3 by_facets(std::size_t body) const;
+  /// W, of all that enters a body what translucent surfaces sent: as the last solve had it, and after settle() as its
+  /// fluence sends it.
   glm::dvec3 reentered(std::size_t body) const { return entered_[body] - at_start_[body]; }
   const ExchangeReport& report() const { return report_; }
 
  private:
+  void light_apart();
+  void learn();
   void gather();
   void send();
   std::vector<glm::dvec3> entering() const;
   double adopt(std::vector<glm::dvec3> entered);
 
   gpu::Context& context_;
+  const Lighting& lighting_;
   const Plan& plan_;
   std::vector<LitBody> bodies_;
   Exchange exchange_;

@@ -90,14 +90,14 @@ std::unique_ptr<Interreflections> light_each_other(gpu::Context& context, const 
   }
   {
     Stage stage(result, "gamma_s");
-    passes->start(lighting);
+    passes->start();
   }
   Stage stage(result, "interreflections");
   passes->approach();
   return passes;
 }
 
-/// `surfaces`, W: what of the light enters from other surfaces.
+/// `surfaces`, W: what enters by the facets' boundary source, from other surfaces.
 void solve(gpu::Context& context, Body& body, glm::dvec3 surfaces, ObjectReport& report) {
   const FacetLight light = body.light->light();
   report.solver = body.diffusion->solve(light);
@@ -119,7 +119,7 @@ void solve_all(gpu::Context& context, const Scene& scene, const Lighting& lighti
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     Stage stage(result, "solve");
     ObjectReport& report = result.objects.emplace_back();
-    solve(context, *bodies[i], passes ? passes->entered(i) : glm::dvec3(0), report);
+    solve(context, *bodies[i], passes ? passes->by_facets(i) : glm::dvec3(0), report);
     report_on(scene.objects[bodies[i]->object], *bodies[i], plan.channels, report, result);
     if (passes) report.energy.in -= passes->reentered(i);
   }

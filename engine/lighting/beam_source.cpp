@@ -43,7 +43,7 @@ BeamSource::BeamSource(gpu::Context& context, const Domain& domain, int channels
 }
 
 void BeamSource::record(gpu::Commands& commands, const Lighting& lighting, const BeamMedium& medium, double eta,
-                        const OpenSky& sky) {
+                        const Surroundings& around) {
   receivers_.record(commands);
   const auto timer = commands.time("beams");
   const SurfaceOptics optics(eta);
@@ -59,9 +59,9 @@ void BeamSource::record(gpu::Commands& commands, const Lighting& lighting, const
                       domain_.frame.h,
                       glm::vec3(medium.kappa_scale),
                       glm::vec3(unit_),
-                      sky.shape};
+                      around.shape};
   for (const gpu::Buffer* sums : {&deposits_, &carries_, &counters_, &leaving_}) commands.fill(*sums);
-  gpu::Bindings bindings = arrival_bindings(lighting, receivers_, sky);
+  gpu::Bindings bindings = arrival_bindings(lighting, receivers_, around);
   for (const gpu::Binding& binding : gpu::Bindings{{"media", medium.facets},
                                                    {"cut_index", domain_.cut_index},
                                                    {"cut_cells", domain_.cut_cells},

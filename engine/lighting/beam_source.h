@@ -29,7 +29,7 @@ class BeamSource {
 
   /// Fills what is below. The shadow maps of `lighting` must have been recorded before. Stage "beams".
   void record(gpu::Commands& commands, const Lighting& lighting, const BeamMedium& medium, double eta,
-              const OpenSky& sky = {});
+              const Surroundings& around = {});
 
   // W/m^2, two vec3 an entry of Domain::cut_cells: source of the boundary condition, Gamma of the render query, all
   // that enters; and two vec4 with what is scattered near the facet and its mean cosine with the normal.

@@ -19,11 +19,16 @@ EntryPush SurfaceOptics::push(std::uint32_t receivers, SkyLinks sky) const {
           sky};
 }
 
-gpu::Bindings arrival_bindings(const Lighting& lighting, const FacetReceivers& receivers, const OpenSky& sky) {
+gpu::Bindings arrival_bindings(const Lighting& lighting, const FacetReceivers& receivers, const Surroundings& around) {
+  const auto given = [&](const gpu::Buffer* buffer) -> const gpu::Buffer& {
+    return buffer ? *buffer : receivers.buffer();
+  };
   gpu::Bindings all = lighting.bindings();
   all.push_back({"receivers", receivers.buffer()});
-  all.push_back({"links", sky.links ? *sky.links : receivers.buffer()});
-  all.push_back({"side_of", sky.side_of ? *sky.side_of : receivers.buffer()});
+  all.push_back({"links", given(around.links)});
+  all.push_back({"side_of", given(around.side_of)});
+  all.push_back({"known_transmitted", given(around.transmitted)});
+  all.push_back({"known_mirrored", given(around.mirrored)});
   return all;
 }
 
@@ -35,16 +40,16 @@ DirectionalSource::DirectionalSource(gpu::Context& context, const Domain& domain
       entered_(context, receivers_.count() * sizeof(glm::vec3), "entered flux") {}
 
 void DirectionalSource::record(gpu::Commands& commands, const Lighting& lighting, const gpu::Buffer& media, double eta,
-                               const OpenSky& sky) const {
+                               const Surroundings& around) const {
   receivers_.record(commands);
   const auto timer = commands.time("entry");
-  gpu::Bindings bindings = arrival_bindings(lighting, receivers_, sky);
+  gpu::Bindings bindings = arrival_bindings(lighting, receivers_, around);
   bindings.push_back({"media", media});
   bindings.push_back({"gamma_s", gamma_s_});
   bindings.push_back({"query_gamma", query_gamma_});
   bindings.push_back({"entered", entered_});
   commands.dispatch(pass_, {receivers_.count(), 1, 1}, bindings,
-                    SurfaceOptics(eta).push(receivers_.count(), sky.shape));
+                    SurfaceOptics(eta).push(receivers_.count(), around.shape));
 }
 
 }  // namespace alabaster

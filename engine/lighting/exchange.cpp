@@ -64,11 +64,13 @@ Exchange::Exchange(gpu::Context& context, const Scene& scene, const Lighting& li
     part.irradiance = gpu::Buffer(context, 2 * std::size_t(part.body.domain.summary.cut_cells + 1) * sizeof(glm::vec3),
                                   "facet irradiance");
   }
-  for (gpu::Buffer& mirrored : mirrored_) mirrored = gpu::Buffer(context, entries_ * sizeof(glm::vec3), "mirrored");
+  for (gpu::Buffer* mirrored : {&mirrored_[0], &mirrored_[1], &known_mirrored_})
+    *mirrored = gpu::Buffer(context, entries_ * sizeof(glm::vec3), "mirrored");
   find_links(scene, lighting);
 
   gpu::Commands commands(context);
-  for (gpu::Buffer& mirrored : mirrored_) commands.fill(mirrored);
+  for (const gpu::Buffer* buffer : {&mirrored_[0], &mirrored_[1], &known_transmitted_, &known_mirrored_})
+    commands.fill(*buffer);
   for (const Part& part : bodies_)  // what of the lamps' light is mirrored is what they send less what enters
     lighting.record_gather(commands, part.body.source.receivers(), part.body.source.count(), 1, part.irradiance, false);
   commands.submit();
@@ -122,6 +124,7 @@ void Exchange::find_links(const Scene& scene, const Lighting& lighting) {
     throw UserError(scene.path + ": light between surfaces has more than " + std::to_string(link_emitters) +
                     " emitters; choose a coarser --grid or --interreflections 0");
   transmitted_ = gpu::Buffer(context_, (std::size_t(entries_) + places) * sizeof(glm::vec3), "radiance sent");
+  known_transmitted_ = gpu::Buffer(context_, transmitted_.bytes(), "radiance known");
   const gpu::Buffer receivers(context_, std::max(places, 1u) * sizeof(Receiver), "opaque places");
   const gpu::Buffer irradiance(context_, std::max(places, 1u) * sizeof(glm::vec3), "irradiance of opaque places");
 
@@ -189,14 +192,26 @@ void Exchange::record_gather(gpu::Commands& commands, std::size_t body) {
                      {"direct", part.body.source.direct()},
                      {"irradiance", part.irradiance},
                      {"flux", part.body.source.flux()},
+                     {"known_transmitted", known_transmitted_},
+                     {"known_mirrored", known_mirrored_},
                      {"mirrored_next", mirrored_[newest_ ^ 1]}},
                     push);
 }
 
-OpenSky Exchange::sky(std::size_t body) const {
+void Exchange::record_known(gpu::Commands& commands) {
+  commands.copy(transmitted_, known_transmitted_, transmitted_.bytes());
+  commands.copy(mirrored_[newest_], known_mirrored_, known_mirrored_.bytes());
+  known_ = true;
+}
+
+Surroundings Exchange::around(std::size_t body) const {
   const Part& part = bodies_[body];
-  const std::uint32_t directions = environment_ == glm::vec3(0) ? 0 : static_cast<std::uint32_t>(directions_);
-  return {&part.links, &part.side_of, {static_cast<std::uint32_t>(part.sides.size()), directions}};
+  const bool dark = environment_ == glm::vec3(0) && !known_;
+  return {&part.links,
+          &part.side_of,
+          &known_transmitted_,
+          &known_mirrored_,
+          {static_cast<std::uint32_t>(part.sides.size()), dark ? 0 : static_cast<std::uint32_t>(directions_)}};
 }
 
 glm::dvec3 Exchange::total(std::size_t body, const gpu::Buffer& values) const {

@@ -19,8 +19,8 @@ struct ExchangeBody {
   const Domain& domain;
   const FacetSource& source;
   double eta = 1;
-  // The lamps' and the open environment's light enters by the source of the object's transport: flux() gets only what
-  // surfaces send. They are mirrored as ever.
+  // The lamps' and the open environment's light enters by the source of the object's transport, and so does what
+  // surfaces had sent at the last record_known(): flux() gets only what they send since. All is mirrored as ever.
   bool lights_apart = false;
 };
 
@@ -57,8 +57,10 @@ class Exchange {
   };
   const Counts& counts() const { return counts_; }
   int directions() const { return directions_; }
-  /// Where the facets of `body` see the environment, for the source of its transport.
-  OpenSky sky(std::size_t body) const;
+  /// What surfaces send now is known to the sources of the transports from here on (ExchangeBody::lights_apart).
+  void record_known(gpu::Commands& commands);
+  /// What the facets of `body` see, for the source of its transport: the environment and what is known of surfaces.
+  Surroundings around(std::size_t body) const;
   const gpu::Buffer& links(std::size_t body) const { return bodies_[body].links; }
   const gpu::Buffer& sides(std::size_t body) const { return bodies_[body].side_buffer; }
 
@@ -78,8 +80,9 @@ class Exchange {
   std::uint32_t entries_ = 0;  // of all bodies
   gpu::Pass links_pass_, facets_pass_, opaque_pass_, opaque_light_pass_, gather_pass_;
   std::vector<Part> bodies_;
-  gpu::Buffer transmitted_, mirrored_[2];
-  int newest_ = 0;  // of mirrored_
+  gpu::Buffer transmitted_, mirrored_[2], known_transmitted_, known_mirrored_;
+  bool known_ = false;  // there is any
+  int newest_ = 0;      // of mirrored_
   Counts counts_;
 };
 

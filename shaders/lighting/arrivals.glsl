@@ -1,5 +1,5 @@
 // The light of all samples at a receiver, one sample at a time: what gather.comp adds up, for those who ask where it comes from.
-// Needs a push block with a SkyLinks; takes bindings 17 and 18.
+// Needs a push block with a SkyLinks; takes bindings 17, 18, 20 and 21.
 #include "lighting/gather.glsl"
 #include "lighting/link.glsl"
 
@@ -12,19 +12,22 @@ struct Arrival {
   vec3 flux;     // F_t L cos dw, W/m^2: what enters
 };
 
+layout(binding = 20, scalar) readonly buffer KnownTransmitted { vec3 known_transmitted[]; };  // of emitters (exchange.comp)
+layout(binding = 21, scalar) readonly buffer KnownMirrored { vec3 known_mirrored[]; };
+
 bool by_links() { return push.sky.sides > 0; }
 
 uint arrivals() { return lighting.points + (by_links() ? push.sky.directions : lighting.directions); }
 
-// The environment over one receiver.
+// All that is around one receiver.
 struct Sky {
   uint entry, side;
-  vec3 share;  // flux that enters per weight of its directions: so they add up to the closed form
+  float share;  // of pi (1 - F_dr) L enters per weight of its directions: so they add up to the closed form
 };
 
 // Links are spread by the cosine: F_t is their weight. Of the lighting's directions it is cos F_t.
 Sky sky_over(uint entry, Receiver r, float eta, float f_dt_outer) {
-  Sky sky = Sky(entry, by_links() ? side_of[entry] : sky_no_side, vec3(0));
+  Sky sky = Sky(entry, by_links() ? side_of[entry] : sky_no_side, 0);
   float all = 0;
   if (sky.side != sky_no_side)
     for (uint k = 0; k < push.sky.directions; ++k)
@@ -33,7 +36,7 @@ Sky sky_over(uint entry, Receiver r, float eta, float f_dt_outer) {
     const float cosine = dot(r.normal, environment_way(i));
     if (cosine > 0) all += cosine * fresnel_transmittance(cosine, eta);
   }
-  if (all > 0) sky.share = lighting.environment * (3.14159265358979 * f_dt_outer / all);
+  if (all > 0) sky.share = 3.14159265358979 * f_dt_outer / all;
   return sky;
 }
 
@@ -55,10 +58,16 @@ Arrival point_arrival(LightPoint light, Receiver r, float eta) {
 
 Arrival link_arrival(uint k, Receiver r, float eta, Sky sky) {
   Arrival a = Arrival(vec3(0), 0, vec3(0));
-  if (sky.side == sky_no_side || links[k * push.sky.sides + sky.side] != link_open) return a;
+  const uint link = sky.side == sky_no_side ? link_dark : links[k * push.sky.sides + sky.side];
+  if (link == link_dark) return a;
+  vec3 light = lighting.environment;
+  if (link != link_open) {
+    const uint emitter = link & 0xffffffu;
+    light = mix(known_transmitted[emitter], known_mirrored[emitter], float(link >> 24) / 255.0);
+  }
   a.towards = link_direction(r.normal, sky.entry, k, push.sky.directions);
   a.cosine = link_cosine(k, push.sky.directions);
-  a.flux = sky.share * fresnel_transmittance(a.cosine, eta);
+  a.flux = light * (sky.share * fresnel_transmittance(a.cosine, eta));
   return a;
 }
 
@@ -70,6 +79,6 @@ Arrival arrival(uint i, Receiver r, float eta, Sky sky) {
   if (a.cosine <= 0) return a;
   bool inside;
   const float lit = look_up(lighting.first_view + i - lighting.points, r.position, r.normal, r.slack, inside);
-  a.flux = sky.share * (lit * a.cosine * fresnel_transmittance(a.cosine, eta));
+  a.flux = lighting.environment * (sky.share * lit * a.cosine * fresnel_transmittance(a.cosine, eta));
   return a;
 }

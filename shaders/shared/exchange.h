@@ -35,7 +35,8 @@ struct ExchangePush {
   float eta;         // of the receiving object
   float f_dr_outer;  // mean reflectance of diffuse light from outside
   vec3 environment;  // W/m^2/sr, of open links
-  uint lights;       // 0: what enters from lamps and environment is left out (the transport's own source brings it in)
+  uint lights;       // 0: without what the transport's own source brings in (lamps, environment, and what surfaces have
+                     // sent so far)
 };
 
 // Direction k of n over a hemisphere about +z, evenly spread by the cosine (a sunflower's seeds on the unit disc);

@@ -82,12 +82,12 @@ struct FacetPush {
   uint cut_cells;   // entries of Domain::cut_cells
 };
 
-// Where the open environment's light comes from (arrivals.glsl): the links of light between surfaces (shared/exchange.h),
-// so that what is open and what surfaces send instead are told apart by the same rays; or, without sides, the lighting's
-// own directions.
+// Where the light of the open environment and of surfaces comes from (arrivals.glsl): the links of light between surfaces
+// (shared/exchange.h), so that what is open and what surfaces send instead are told apart by the same rays; or, without
+// sides, the environment's alone from the lighting's own directions.
 struct SkyLinks {
   uint sides;
-  uint directions;  // 0: it is dark
+  uint directions;  // 0: all are dark
 };
 const uint sky_no_side = 0xffffffffu;
 

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "lighting/beam_source.h"
-#include "support/diffusion_device.h"
+#include "support/beam_twin.h"
 #include "support/lit_scene.h"
 
 namespace alabaster {
@@ -86,6 +86,108 @@ TEST_F(LightingBeams, NothingIsLostAndTheOrderDoesNotShow) {
     EXPECT_EQ(t.through[c], b.totals.through[c]);
   }
   EXPECT_EQ(a.power, b.power);
+}
+
+// A lamp near a torus (beams leave it, enter no more, and mirror inside), three media in one: cell by cell and facet by
+// facet as the march in double precision, where rounding does not choose another cell.
+TEST_F(LightingBeams, MarchEqualsTwin) {
+  const Mesh mesh = torus(1, 0.4f, 48, 24);
+  const double eta = 1.4;
+  Scene scene;
+  scene.objects = {make_object(Role::translucent, mesh),
+                   make_light(transformed(quad(0.1f, 0.1f), translation({0.3, 2, 0.2}) * rotation({1, 0, 0}, 180)),
+                              {300, 200, 100})};
+  scene.objects[0].eta = eta;
+  const MediumField layered = [](glm::dvec3 p) {
+    const glm::dvec3 dense = glm::dvec3(2, 6, 15) * (p.x > 0 ? 3.0 : 1.0);
+    return MediumPoint{0.9 * dense, 0.1 * dense};
+  };
+  Body body(context, mesh, 20, layered, 3, eta);
+  const Marched found = march(scene, body, 3, eta);
+  const LitScene lit(context, scene, {1, 16, 512});
+  ASSERT_EQ(lit.lighting.samples().area.size(), 1u);
+  const glm::dvec3 lamp = lit.lighting.samples().area[0].position;
+
+  BeamTwin twin(context, body, eta);
+  const FacetReceivers receivers(context, body.domain());
+  gpu::Commands commands(context);
+  receivers.record(commands);
+  commands.submit();
+  const auto places = gpu::download<Receiver>(context, receivers.buffer());
+  int lit_sides = 0, apart = 0;
+  for (std::uint32_t i = 2; i < places.size(); ++i) {
+    const glm::dvec3 flux = found.entered[i];  // shadows and all: lighting/gather.glsl has its own test
+    if (flux == glm::dvec3(0)) continue;
+    ++lit_sides;
+    const glm::dvec3 normal = places[i].normal;
+    const BeamTwin::Side side = twin.light(i, normal, glm::normalize(lamp - glm::dvec3(places[i].position)), flux);
+    const double unit =
+        3 * glm::length(found.unit) / (body.cut_cells()[i / 2].side[i % 2].area * std::pow(body.domain().frame.h, 2));
+    const double within = 1e-4 * glm::length(flux) + unit;
+    apart += glm::distance(side.gamma_s, glm::dvec3(found.gamma_s[i])) > within ||
+             glm::distance(side.query_gamma, glm::dvec3(found.query_gamma[i])) > 4 * within ||
+             glm::distance(side.near, glm::dvec3(found.near[i])) > within ||
+             std::abs(side.near_cosine - found.near[i].w) > 1e-4;
+  }
+  EXPECT_GT(lit_sides, 300);
+  EXPECT_LE(apart, lit_sides / 200);
+  EXPECT_GT(twin.through.r, 0.05 * twin.entered.r);
+  const std::size_t cells = twin.power.size();
+  for (int c = 0; c < 3; ++c) {
+    EXPECT_GT(twin.near[c], 0.1 * twin.entered[c]);
+    EXPECT_GT(twin.in_cells[c], 0.05 * twin.entered[c]);
+    EXPECT_NEAR(twin.near[c] + twin.in_cells[c] + twin.absorbed[c] + twin.through[c], twin.entered[c],
+                1e-9 * twin.entered[c]);
+    EXPECT_NEAR(found.totals.near[c], twin.near[c], 1e-4 * twin.entered[c]);
+    EXPECT_NEAR(found.totals.in_cells[c], twin.in_cells[c], 1e-4 * twin.entered[c]);
+    EXPECT_NEAR(found.totals.absorbed[c], twin.absorbed[c], 1e-4 * twin.entered[c]);
+    EXPECT_NEAR(found.totals.through[c], twin.through[c], 1e-4 * twin.entered[c]);
+    // A ray in the plane between two cells may go by either.
+    double off = 0;
+    int others = 0;
+    for (std::size_t i = 0; i < cells; ++i) {
+      const double difference = std::abs(found.power[c * cells + i] - twin.power[i][c]);
+      if (difference > 2e-5 * twin.entered[c])
+        ++others;
+      else
+        off += difference;
+    }
+    std::printf("channel %d: %d cells otherwise, the rest off by %.1e of all\n", c, others, off / twin.entered[c]);
+    EXPECT_LE(others, 4);
+    EXPECT_LT(off, 1e-4 * twin.entered[c]);
+  }
+
+  // What leaves, spread over the facets around that look the same way (lighting/beam_through.comp).
+  const std::vector<std::uint32_t> index = gpu::download<std::uint32_t>(context, body.domain().cut_index);
+  const glm::ivec3 n = body.domain().frame.cells;
+  std::vector<glm::dvec3> spread(places.size(), glm::dvec3(0));
+  for (std::uint32_t i = 2; i < places.size(); ++i) {
+    if (twin.leaving[i] == glm::dvec3(0)) continue;
+    std::vector<std::pair<std::uint32_t, double>> around;
+    double area = 0;
+    for (int k = 0; k < 27; ++k) {
+      const glm::ivec3 c = body.cut_cells()[i / 2].cell + glm::ivec3(k % 3, k / 3 % 3, k / 9) - 1;
+      if (!glm::all(glm::lessThan(glm::uvec3(c), glm::uvec3(n)))) continue;
+      const std::uint32_t other = index[c.x + std::size_t(n.x) * (c.y + std::size_t(n.y) * c.z)];
+      for (std::uint32_t j = 2 * other; other != 0 && j < 2 * other + 2; ++j) {
+        const GpuFacet& side = body.cut_cells()[j / 2].side[j % 2];
+        if (side.area <= 0) continue;
+        const double w =
+            j == i ? 1 : std::max(0.0, glm::dot(glm::dvec3(places[i].normal), glm::dvec3(places[j].normal)));
+        around.push_back({j, w});
+        area += w * side.area * std::pow(body.domain().frame.h, 2);
+      }
+    }
+    for (const auto& [j, w] : around) spread[j] += w * twin.leaving[i] / area;
+  }
+  double off = 0, all = 0;
+  for (std::uint32_t i = 2; i < places.size(); ++i) {
+    const double area = body.cut_cells()[i / 2].side[i % 2].area;
+    off += area * glm::length(spread[i] - glm::dvec3(found.through[i]));
+    all += area * glm::length(spread[i]);
+  }
+  std::printf("through: off by %.1e of all\n", off / all);
+  EXPECT_LT(off, 5e-3 * all);
 }
 
 // Chords of a ball in parallel light, eta 1: what goes through is 2 (1 - (1 + x) e^-x) / x^2 with x = 2 R sigma_t.

@@ -1,5 +1,5 @@
-// lighting/add_source.comp: the transport's own source and light from surfaces, added on every facet; and where a facet
-// sees the environment, by the links: what the transport lets in there is what Exchange leaves out.
+// lighting/add_source.comp: the transport's own source and light from surfaces, added on every facet; and what a facet
+// sees by the links (lighting/arrivals.glsl): what the transport lets in by them is what Exchange leaves out.
 #include "lighting/exchange.h"
 #include "pipeline/body_light.h"
 #include "support/diffusion_device.h"
@@ -66,10 +66,12 @@ TEST_F(LightingBodyLight, SumEqualsTwin) {
 }
 
 TEST_F(LightingBodyLight, LightsEnterOnce) {
-  // With the report's transport all of the light comes by Exchange. Apart, the same comes in two parts.
+  // With the report's transport all of the light comes by Exchange. Apart, the same comes in two parts, and what is
+  // known of surfaces by the transport.
   BodyLight report(context, Transport::report, body.domain(), body.diffusion(), eta);
   EXPECT_FALSE(report.apart());
-  for (Transport transport : {Transport::directional, Transport::beam}) {
+  for (const auto& [transport, known] :
+       {std::pair{Transport::directional, false}, {Transport::directional, true}, {Transport::beam, true}}) {
     BodyLight light(context, transport, body.domain(), body.diffusion(), eta);
     {
       gpu::Commands commands(context);
@@ -84,8 +86,18 @@ TEST_F(LightingBodyLight, LightsEnterOnce) {
       for (std::size_t i = 0; i < sent.size(); ++i) sent[i] = {0.3f, 0.01f * float(i % 50), 0.1f};
       gpu::upload(context, exchange->transmitted(), sent);
     }
+    if (known) {  // what surfaces send, but for the half that is sent later
+      gpu::Commands commands(context);
+      apart.record_known(commands);
+      commands.submit();
+      for (Exchange* exchange : {&whole, &apart}) {
+        std::vector<glm::vec3> sent = gpu::download<glm::vec3>(context, exchange->transmitted());
+        for (std::size_t i = 0; i < sent.size(); ++i) sent[i] *= 1 + 0.1f * float(i % 10);
+        gpu::upload(context, exchange->transmitted(), sent);
+      }
+    }
     gpu::Commands commands(context);
-    light.record_lights_apart(commands, lit.lighting, apart.sky(0));
+    light.record_lights_apart(commands, lit.lighting, apart.around(0));
     whole.record_gather(commands, 0);
     apart.record_gather(commands, 0);
     light.record_surfaces(commands);

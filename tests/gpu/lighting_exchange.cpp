@@ -128,7 +128,7 @@ TEST_F(LightingExchange, LinksEqualTwin) {
               seen[3], apart);
 }
 
-// The ball's lights enter apart.
+// The ball's lights enter apart, and from the third pass on what surfaces had sent in the second.
 TEST_F(LightingExchange, GatherEqualsTwin) {
   std::vector<ExchangeBody> both = bodies();
   both[1].lights_apart = true;
@@ -142,11 +142,21 @@ TEST_F(LightingExchange, GatherEqualsTwin) {
 
   const Gridded* parts[] = {&torus_part, &ball_part};
   const double etas[] = {1.4, 1.2};
-  std::vector<glm::dvec3> mirrored(sent.size(), glm::dvec3(0));
+  std::vector<glm::dvec3> mirrored(sent.size(), glm::dvec3(0)), known(sent.size(), glm::dvec3(0)),
+      known_mirrored = known;
   for (int pass = 0; pass < 3; ++pass) {
-    gpu::Commands commands(context);
-    for (std::size_t body = 0; body < 2; ++body) exchange.record_gather(commands, body);
-    commands.submit();
+    if (pass == 2) {
+      gpu::Commands commands(context);
+      exchange.record_known(commands);
+      commands.submit();
+      known.assign(sent.begin(), sent.end());
+      known_mirrored = mirrored;
+      for (std::uint32_t i = 0; i < places; ++i) sent[i] *= 0.5f + uniform(engine);
+      gpu::upload(context, exchange.transmitted(), sent);
+    }
+    gpu::Commands gathers(context);
+    for (std::size_t body = 0; body < 2; ++body) exchange.record_gather(gathers, body);
+    gathers.submit();
     exchange.next_pass();
     std::vector<glm::dvec3> next = mirrored;
     double worst = 0, largest = 0;
@@ -169,12 +179,15 @@ TEST_F(LightingExchange, GatherEqualsTwin) {
         for (int k = 0; k < directions; ++k) {
           const double r = fresnel_reflectance(std::sqrt(1 - (k + 0.5) / directions), etas[body]);
           const std::uint32_t link = links[k * sides.size() + i], emitter = link & 0xffffffu;
-          glm::dvec3 light(0);
+          glm::dvec3 light(0), not_known(0);
           if (link == link_open)
             light = lit.scene.environment.radiance;
-          else if (link != link_dark)
-            light = glm::mix(glm::dvec3(sent[emitter]), mirrored[emitter], double(link >> 24) / 255);
-          if (body == 0 || link != link_open) through += (1 - r) * light;
+          else if (link != link_dark) {
+            const double share = double(link >> 24) / 255;
+            light = glm::mix(glm::dvec3(sent[emitter]), mirrored[emitter], share);
+            not_known = light - glm::mix(known[emitter], known_mirrored[emitter], share);
+          }
+          through += (1 - r) * (body == 0 ? light : not_known);
           back += r * light, f_t += 1 - r, f_r += r;
         }
         const std::uint32_t entry = sides[i].entry;

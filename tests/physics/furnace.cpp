@@ -186,7 +186,8 @@ TEST_F(Furnace, EnergyBalancesWithLightThatEntersAgain) {
   for (int i = 0; i < 2; ++i) EXPECT_LT(under_way[i + 1], 0.25 * under_way[i]);
 }
 
-// Every transport brings in light between surfaces.
+// Every transport brings in light between surfaces. Directional: exact as the report. Beams: pixels show where the
+// surface is bent within a cell, and silhouettes at eta 1.
 class FurnaceOfTransport : public Furnace, public ::testing::WithParamInterface<Transport> {
  protected:
   FurnaceOfTransport() { grid = 24, size = {96, 72}; }
@@ -194,7 +195,11 @@ class FurnaceOfTransport : public Furnace, public ::testing::WithParamInterface<
     const test::FurnaceResult r = render(scene, GetParam());
     std::printf("%s, %s, eta %.1f: mean %.5f, worst pixel %.4f off\n", what, name_of(GetParam()), scene.objects[0].eta,
                 r.mean, r.worst);
-    EXPECT_NEAR(r.mean, 1, 0.01) << what << " eta " << scene.objects[0].eta;
+    const bool directional = GetParam() == Transport::directional;
+    EXPECT_NEAR(r.mean, 1, directional ? 1e-3 : 0.01) << what << " eta " << scene.objects[0].eta;
+    if (directional) {
+      EXPECT_LE(r.worst, 5e-3) << what << " eta " << scene.objects[0].eta;
+    }
   }
 };
 
