@@ -57,7 +57,7 @@ void Pcg::record_residual(gpu::Commands& commands) {
 void Pcg::record_islands(gpu::Commands& commands, bool start, const gpu::Image& z) {
   const Deflation& deflation = multigrid_.deflation();
   const auto islands = static_cast<std::uint32_t>(deflation.count());
-  commands.dispatch(passes_.islands[start], {64 * std::min(islands, 65535u), 1, 1},
+  commands.dispatch(passes_.islands[start], {8 * std::min(islands, 65535u), 1, 1},
                     {{"spans", deflation.spans()},
                      {"entries", deflation.entries()},
                      {"lifts", deflation.lifts()},
