@@ -2,12 +2,15 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
 #include <numeric>
 
 namespace alabaster {
 namespace {
 
-constexpr float strong = 0.01f;   // of the larger diagonal: a face that conducts more than this joins two cells
+constexpr float strong = 0.01f;       // of the larger diagonal: a face that conducts more than this joins two cells
+constexpr float jump = 30;            // between two faces of a cell
+constexpr double rough_share = 0.01;  // of the cells within, that have such faces, in a rough medium
 constexpr double isolated = 0.1;  // of an island's largest diagonal: what leaves it, a boundary face, is at most this
 
 struct Grid {
@@ -82,10 +85,19 @@ Islands find_islands(glm::ivec3 n, std::span<const float> stencil) {
   islands.labels.assign(grid.cells(), 0);
   if (std::max({n.x, n.y, n.z}) > DIFFUSION_ISLAND_CELLS) return islands;
   std::vector<float> diagonal(grid.cells());
+  int within = 0, jumps = 0;  // cells with six faces: the surface cuts faces down to nothing in any medium
   for (int i = 0; i < grid.cells(); ++i) {
     diagonal[i] = grid.at(DIFFUSION_REACTION, i);
-    for (int side = 0; side < 6; ++side) diagonal[i] += grid.face(side, i);
+    float least = std::numeric_limits<float>::max(), most = 0;
+    for (int side = 0; side < 6; ++side) {
+      const float face = grid.face(side, i);
+      diagonal[i] += face;
+      least = std::min(least, face), most = std::max(most, face);
+    }
+    within += least > 0;
+    jumps += least > 0 && most > jump * least;
   }
+  islands.rough = jumps > rough_share * within;
   std::vector<int> number;
   std::vector<Component> list = components(grid, diagonal, number);
   const auto leaves = [&](int i, int side) {
