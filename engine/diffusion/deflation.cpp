@@ -2,6 +2,8 @@
 
 #include <tbb/parallel_for.h>
 
+#include <algorithm>
+
 #include "diffusion/islands.h"
 
 namespace alabaster {
@@ -17,6 +19,8 @@ Deflation::Deflation(gpu::Context& context, const gpu::Image& stencil, glm::ivec
   std::vector<std::uint32_t> labels, entries;
   std::vector<IslandSpan> spans;
   for (int c = 0; c < channels; ++c) {
+    noise_ = std::max(noise_, found[c].noise);
+    rough_ = rough_ || found[c].rough;
     const auto before = static_cast<std::uint32_t>(entries.size()), first = static_cast<std::uint32_t>(spans.size());
     for (std::uint32_t label : found[c].labels) labels.push_back(label > 0 ? first + label : 0);
     for (IslandSpan span : found[c].spans)

@@ -11,7 +11,9 @@ class Deflation {
   /// Finds the islands of the finest stencil.
   Deflation(gpu::Context& context, const gpu::Image& stencil, glm::ivec3 cells, int channels);
 
-  int count() const { return count_; }  // of all channels
+  int count() const { return count_; }     // of all channels
+  double noise() const { return noise_; }  // of the worst channel's medium: Islands::noise
+  bool rough() const { return rough_; }    // any channel's medium: Islands::rough
   const gpu::Buffer& spans() const { return spans_; }
   const gpu::Buffer& entries() const { return entries_; }
   const gpu::Buffer& labels() const { return labels_; }  // of every cell and channel; with no islands one uvec4
@@ -19,6 +21,8 @@ class Deflation {
 
  private:
   int count_ = 0;
+  double noise_ = 0;
+  bool rough_ = false;
   gpu::Buffer spans_, entries_, labels_, lifts_;
 };
 

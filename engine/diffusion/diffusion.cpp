@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "diffusion/near_surface.h"
 #include "shared/optics.h"
 
 namespace alabaster {
@@ -48,7 +49,7 @@ FluencePasses::FluencePasses(gpu::Context& c)
       absorbed{c, "diffusion/absorbed.comp", {1}},
       energy{c, "diffusion/energy.comp"},
       gradient{c, "diffusion/gradient.comp"},
-      surface{c, "diffusion/surface.comp"},
+      surface{{c, "diffusion/surface.comp", {0}}, {c, "diffusion/surface.comp", {1}}},
       exit{{c, "diffusion/exit.comp", {0}}, {c, "diffusion/exit.comp", {1}}} {}
 
 double EnergyBalance::imbalance() const {
@@ -73,6 +74,7 @@ Diffusion::Diffusion(gpu::Context& context, const DiffusionPasses& solver_passes
                surface_image(context, domain, "surface fluence, down")},
       surface_gamma_{surface_image(context, domain, "surface Gamma_s, up"),
                      surface_image(context, domain, "surface Gamma_s, down")},
+      near_cells_(gpu::make_buffer(context, cells_near_surface(context, domain), "cells near the surface")),
       facets_(context, cut_count_ * sizeof(FacetMedium), "facet medium"),
       conductances_(context, std::size_t(medium.channels) * cut_count_ * sizeof(float), "facet conductances"),
       scales_(context, medium.channels * sizeof(FluenceScale), "fluence scales", gpu::Memory::host),
@@ -86,6 +88,7 @@ Diffusion::Diffusion(gpu::Context& context, const DiffusionPasses& solver_passes
       pcg_(context, solver_passes, multigrid_, options) {
   gpu::Commands commands(context);
   commands.fill(scales_);
+  for (const gpu::Image& image : surface_gamma_) commands.clear(image);
   commands.submit();
   set_medium(medium);
 }
@@ -175,20 +178,14 @@ void Diffusion::record_gradients(gpu::Commands& commands, const FacetLight& ligh
 void Diffusion::record_surface(gpu::Commands& commands, const FacetLight& light) {
   const auto scope = commands.time("diffusion surface");
   const glm::ivec3 n = domain_.frame.cells;
-  commands.dispatch(passes_.surface, {n.x / 4, n.y, n.z},
-                    {{"cut_index", domain_.cut_index},
-                     {"cut_cells", domain_.cut_cells},
-                     {"scales", scales_},
-                     {"gradients", gradients_},
-                     {"volume", domain_.volume},
-                     {"phi", pcg_.solution()},
-                     {"gamma_s", light.gamma_s},
-                     {"query_gamma", *light.query},
-                     {"facets", facets_},
-                     {"phi_up", surface_[0]},
-                     {"phi_down", surface_[1]},
-                     {"gamma_up", surface_gamma_[0]},
-                     {"gamma_down", surface_gamma_[1]}},
+  const gpu::Bindings bindings{
+      {"cut_index", domain_.cut_index}, {"cut_cells", domain_.cut_cells}, {"scales", scales_},
+      {"gradients", gradients_},        {"volume", domain_.volume},       {"phi", pcg_.solution()},
+      {"gamma_s", light.gamma_s},       {"query_gamma", *light.query},    {"facets", facets_},
+      {"near_cells", near_cells_},      {"phi_up", surface_[0]},          {"phi_down", surface_[1]},
+      {"gamma_up", surface_gamma_[0]},  {"gamma_down", surface_gamma_[1]}};
+  commands.dispatch(passes_.surface[0], {n.x / 4, n.y, n.z}, bindings, surface_push(light.sides));
+  commands.dispatch(passes_.surface[1], {near_cells_.bytes() / sizeof(std::uint32_t) / 8 + 8, 8, 1}, bindings,
                     surface_push(light.sides));
 }
 

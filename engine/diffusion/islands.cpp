@@ -7,7 +7,10 @@
 namespace alabaster {
 namespace {
 
-constexpr float strong = 0.01f;   // of the larger diagonal: a face that conducts more than this joins two cells
+constexpr float strong = 0.01f;       // of the larger diagonal: a face that conducts more than this joins two cells
+constexpr float jump = 30;            // between two faces of a cell
+constexpr float magnitude = 8;        // factor between two magnitudes of faces
+constexpr double rough_share = 0.01;  // of the cells within, that have such faces, in a rough medium
 constexpr double isolated = 0.1;  // of an island's largest diagonal: what leaves it, a boundary face, is at most this
 
 struct Grid {
@@ -74,6 +77,15 @@ std::vector<Component> components(const Grid& grid, const std::vector<float>& di
   return list;
 }
 
+// Of faces in ascending order. Two materials that meet have two: their harmonic mean is the weaker one's, or twice it.
+bool three_magnitudes(const std::array<float, 6>& faces) {
+  int magnitudes = 1;
+  float last = faces.front();
+  for (const float face : faces)
+    if (face > magnitude * last) ++magnitudes, last = face;
+  return magnitudes >= 3;
+}
+
 }  // namespace
 
 Islands find_islands(glm::ivec3 n, std::span<const float> stencil) {
@@ -82,10 +94,19 @@ Islands find_islands(glm::ivec3 n, std::span<const float> stencil) {
   islands.labels.assign(grid.cells(), 0);
   if (std::max({n.x, n.y, n.z}) > DIFFUSION_ISLAND_CELLS) return islands;
   std::vector<float> diagonal(grid.cells());
+  int within = 0, jumps = 0, noisy = 0;  // cells with six faces: the surface cuts faces down to nothing in any medium
   for (int i = 0; i < grid.cells(); ++i) {
     diagonal[i] = grid.at(DIFFUSION_REACTION, i);
-    for (int side = 0; side < 6; ++side) diagonal[i] += grid.face(side, i);
+    std::array<float, 6> faces;
+    for (int side = 0; side < 6; ++side) diagonal[i] += faces[side] = grid.face(side, i);
+    std::sort(faces.begin(), faces.end());
+    if (faces.front() <= 0) continue;
+    ++within;
+    jumps += faces.back() > jump * faces.front();
+    noisy += three_magnitudes(faces);
   }
+  islands.rough = jumps > rough_share * within;
+  islands.noise = within > 0 ? double(noisy) / within : 0.0;
   std::vector<int> number;
   std::vector<Component> list = components(grid, diagonal, number);
   const auto leaves = [&](int i, int side) {

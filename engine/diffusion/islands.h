@@ -20,6 +20,8 @@ struct Islands {
   std::vector<std::uint32_t> labels;   // of every cell, x fastest: 0, or 1 + its island's number
   std::vector<IslandSpan> spans;       // of each island in `entries`; spans.size() of them
   std::vector<std::uint32_t> entries;  // packed cells and faces: DIFFUSION_ISLAND_CELL in shared/diffusion.h
+  double noise = 0;    // share of the cells within that lie between faces of three magnitudes: noise at cell scale
+  bool rough = false;  // the medium jumps from cell to cell in many places: it wants more smoothing (smoothing.h)
 };
 
 /// `stencil`: rows of DIFFUSION_FINEST_ENTRIES * n.x values, as the device holds one channel; n.x a multiple of 4.

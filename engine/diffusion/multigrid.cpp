@@ -21,6 +21,8 @@ DiffusionPasses::DiffusionPasses(gpu::Context& c)
       restrict_residual{c, "diffusion/restrict.comp"},
       prolong{{c, "diffusion/prolong.comp", {0}}, {c, "diffusion/prolong.comp", {1}}},
       direct{c, "diffusion/direct.comp"},
+      renew{c, "diffusion/renew.comp"},
+      combine{c, "diffusion/combine.comp"},
       apply_dot{c, "diffusion/apply_dot.comp", {1}},
       norm{c, "diffusion/norm.comp", {1}},
       update{c, "diffusion/update.comp", {1}},
@@ -30,11 +32,11 @@ DiffusionPasses::DiffusionPasses(gpu::Context& c)
       islands{{c, "diffusion/islands.comp", {0}}, {c, "diffusion/islands.comp", {1}}},
       lift{c, "diffusion/lift.comp", {1}} {}
 
-std::vector<float> chebyshev_omegas(const MultigridOptions& options) {
+std::vector<float> chebyshev_omegas(int steps, double lowest) {
   std::vector<float> omegas;
-  for (int k = 0; k < options.sweeps; ++k) {
-    const double root = std::cos(std::numbers::pi * (k + 0.5) / options.sweeps);
-    omegas.push_back(static_cast<float>(2 / ((1 + options.lowest) + (1 - options.lowest) * root)));
+  for (int k = 0; k < steps; ++k) {
+    const double root = std::cos(std::numbers::pi * (k + 0.5) / steps);
+    omegas.push_back(static_cast<float>(2 / ((1 + lowest) + (1 - lowest) * root)));
   }
   return omegas;
 }
@@ -49,8 +51,8 @@ gpu::Image packed_image(gpu::Context& context, glm::ivec3 cells, int channels, i
 }
 
 Multigrid::Multigrid(gpu::Context& context, const DiffusionPasses& passes, glm::ivec3 cells, int channels,
-                     const TileList& tiles, const MultigridOptions& options)
-    : context_(context), passes_(passes), channels_(channels), tiles_(tiles), omegas_(chebyshev_omegas(options)) {
+                     const TileList& tiles, const CycleOptions& options)
+    : context_(context), passes_(passes), channels_(channels), tiles_(tiles), options_(options) {
   for (bool last = false; !last; cells = (cells + 1) / 2) {
     last = !levels_.empty() && cells.x * cells.y * cells.z <= options.direct_cells;
     MultigridLevel level;
@@ -74,8 +76,8 @@ glm::uvec3 Multigrid::threads(std::size_t l) const {
   return {level.texels_x(), level.cells.y, level.cells.z * channels_};
 }
 
-LevelPush Multigrid::push(std::size_t l, float omega) const {
-  return {levels_[l].cells, levels_[std::min(l + 1, levels_.size() - 1)].cells, omega};
+LevelPush Multigrid::push(std::size_t l, float omega, float step) const {
+  return {levels_[l].cells, levels_[std::min(l + 1, levels_.size() - 1)].cells, omega, step};
 }
 
 void Multigrid::set_up() {
@@ -107,6 +109,10 @@ void Multigrid::set_up() {
   commands.submit();
   invert_coarsest();
   deflation_ = Deflation(context_, finest().stencil, finest().cells, channels_);
+  const Smoothing& smoothing = deflation_.rough() ? options_.rough : options_.even;
+  omegas_ = chebyshev_omegas(smoothing.sweeps, smoothing.lowest);
+  visits_ = chebyshev_omegas(levels_.size() > 2 ? smoothing.visits : 1, options_.visited);
+  if (visits_.size() > 1 && !kept_) kept_ = packed_image(context_, levels_[1].cells, channels_, 1, "vector");
   ++generation_;
 }
 
@@ -192,14 +198,36 @@ const gpu::Image& Multigrid::record_cycle(gpu::Commands& commands, const gpu::Bu
 }
 
 const gpu::Image& Multigrid::record_level(gpu::Commands& commands, std::size_t l, const gpu::Buffer& partials) {
-  MultigridLevel& level = levels_[l];
+  const MultigridLevel& level = levels_[l];
   if (l + 1 == levels_.size()) {  // x = A^-1 b
     commands.dispatch(passes_.direct, {level.texels_x() * level.cells.y * level.cells.z, channels_, 1},
                       {{"inverse", inverse_}, {"b", level.b}, {"x", level.x}}, push(l));
     return level.x;
   }
+  const gpu::Image& first = record_visit(commands, l, level.x, level.spare, partials);
+  if (l != 1 || visits_.size() == 1) return first;
+  const gpu::Image& other = &first == &level.x ? level.spare : level.x;
+  commands.dispatch(passes_.renew, threads(l),  // kept = step x, b -= A kept, and the first smoothing step for that b
+                    {{"tiles", tiles_.packed},
+                     {"stencil", level.stencil},
+                     {"x", first},
+                     {"inverse_l1", level.inverse_l1},
+                     {"b", level.b},
+                     {"smoothed", other},
+                     {"kept", kept_}},
+                    push(l, omegas_.front(), visits_[0]));
+  const gpu::Image& second = record_visit(commands, l, other, first, partials);
+  commands.dispatch(passes_.combine, threads(l),  // x = kept + step x
+                    {{"tiles", tiles_.packed}, {"kept", kept_}, {"x", second}}, push(l, 0, visits_[1]));
+  return second;
+}
+
+// One V-cycle from level l; `start` holds the first smoothing step of b.
+const gpu::Image& Multigrid::record_visit(gpu::Commands& commands, std::size_t l, const gpu::Image& start,
+                                          const gpu::Image& other, const gpu::Buffer& partials) {
+  const MultigridLevel& level = levels_[l];
   const bool finest = l == 0;
-  const gpu::Image *x = &level.x, *spare = &level.spare;
+  const gpu::Image *x = &start, *spare = &other;
   auto smooth = [&](const gpu::Pass& pass, float omega) {  // x += omega D^-1 (b - A x)
     record_smooth(commands, l, pass, omega, *x, *spare, partials);
     std::swap(x, spare);
@@ -209,7 +237,7 @@ const gpu::Image& Multigrid::record_level(gpu::Commands& commands, std::size_t l
       passes_.residual[finest], threads(l),  // r = b - A x
       {{"tiles", tiles_.packed}, {"stencil", level.stencil}, {"x", *x}, {"b", level.b}, {"residual", level.r}},
       push(l));
-  MultigridLevel& coarse = levels_[l + 1];
+  const MultigridLevel& coarse = levels_[l + 1];
   commands.dispatch(passes_.restrict_residual, threads(l + 1),  // b' = P^T r
                     {{"tiles", tiles_.packed},
                      {"residual", level.r},

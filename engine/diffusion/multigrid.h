@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "diffusion/deflation.h"
+#include "diffusion/smoothing.h"
 #include "gpu/commands.h"
 #include "shared/diffusion.h"
 
@@ -15,19 +16,13 @@ namespace alabaster {
 struct DiffusionPasses {
   explicit DiffusionPasses(gpu::Context& context);
   gpu::Pass diagonals[2], weights[2], deficits[2], galerkin[2];  // [finest]
-  gpu::Pass smooth[2], smooth_dot, residual[2], restrict_residual, prolong[2], direct;
+  gpu::Pass smooth[2], smooth_dot, residual[2], restrict_residual, prolong[2], direct, renew, combine;
   gpu::Pass apply_dot, norm, update, start, direction[2], reduce;  // direction[deflated]
   gpu::Pass islands[2], lift;                                      // islands[start]
 };
 
-struct MultigridOptions {
-  int sweeps = 2;          // Chebyshev smoothing steps before and after the coarse correction
-  double lowest = 0.15;    // they damp the part [lowest, 1] of the l1-scaled spectrum
-  int direct_cells = 512;  // the first coarse level of at most this many is solved directly
-};
-
-/// Factors of x += omega D^-1 (b - A x) that make `sweeps` such steps the Chebyshev smoother of [lowest, 1].
-std::vector<float> chebyshev_omegas(const MultigridOptions& options);
+/// Factors of x += omega D^-1 (b - A x) that make `steps` such steps the Chebyshev iteration of [lowest, 1].
+std::vector<float> chebyshev_omegas(int steps, double lowest);
 
 /// The active part of the finest level: tiles of 8 x 16 texels (32 x 16 x 1 cells), packed x | y << 10 | z << 20.
 struct TileList {
@@ -48,7 +43,7 @@ class Multigrid {
  public:
   /// `cells` of the finest level, x a multiple of 4, with a margin of one empty cell all around; `tiles` outlives this.
   Multigrid(gpu::Context& context, const DiffusionPasses& passes, glm::ivec3 cells, int channels, const TileList& tiles,
-            const MultigridOptions& options = {});
+            const CycleOptions& options = {});
 
   /// Builds everything below the finest stencil, which the caller has written, and finds its islands.
   void set_up();
@@ -69,9 +64,11 @@ class Multigrid {
 
  private:
   const gpu::Image& record_level(gpu::Commands& commands, std::size_t l, const gpu::Buffer& partials);
+  const gpu::Image& record_visit(gpu::Commands& commands, std::size_t l, const gpu::Image& start,
+                                 const gpu::Image& other, const gpu::Buffer& partials);
   void record_smooth(gpu::Commands& commands, std::size_t l, const gpu::Pass& pass, float omega, const gpu::Image& from,
                      const gpu::Image& to, const gpu::Buffer& partials);
-  LevelPush push(std::size_t l, float omega = 0) const;
+  LevelPush push(std::size_t l, float omega = 0, float step = 0) const;
   void record_row_sums(gpu::Commands& commands, std::size_t l);
   void invert_coarsest();
 
@@ -79,7 +76,9 @@ class Multigrid {
   const DiffusionPasses& passes_;
   int channels_;
   const TileList& tiles_;
-  std::vector<float> omegas_;
+  CycleOptions options_;
+  std::vector<float> omegas_, visits_;  // factors of the smoothing steps, and of the visits to the first coarse level
+  gpu::Image kept_;                     // what the first of two visits brought
   std::vector<MultigridLevel> levels_;
   gpu::Buffer inverse_;
   Deflation deflation_;

@@ -4,6 +4,11 @@
 #include <cmath>
 
 namespace alabaster {
+namespace {
+
+constexpr double noisy_share = 0.05;  // of the cells (Islands::noise); media of sharp parts have 0.02
+
+}  // namespace
 
 Pcg::Pcg(gpu::Context& context, const DiffusionPasses& passes, Multigrid& multigrid, const SolverOptions& options)
     : context_(context), passes_(passes), multigrid_(multigrid), options_(options) {
@@ -57,7 +62,7 @@ void Pcg::record_residual(gpu::Commands& commands) {
 void Pcg::record_islands(gpu::Commands& commands, bool start, const gpu::Image& z) {
   const Deflation& deflation = multigrid_.deflation();
   const auto islands = static_cast<std::uint32_t>(deflation.count());
-  commands.dispatch(passes_.islands[start], {64 * std::min(islands, 65535u), 1, 1},
+  commands.dispatch(passes_.islands[start], {8 * std::min(islands, 65535u), 1, 1},
                     {{"spans", deflation.spans()},
                      {"entries", deflation.entries()},
                      {"lifts", deflation.lifts()},
@@ -167,13 +172,23 @@ SolverStatus Pcg::solve(double tolerance) {
       last[c] = relative;
     }
     if (status.converged) return status;
+    const double noise = multigrid_.deflation().noise();
+    const bool given_up = status.iterations >= options_.max_iterations;
+    if ((stalled || given_up) && noise > noisy_share) {
+      status.reason =
+          "no convergence in " + std::to_string(status.iterations) +
+          " iterations: " + std::to_string(std::lround(100 * noise)) +
+          " % of the cells lie between neighbours of three orders of magnitude, which is noise at the scale "
+          "of a cell; contrasts to 1e4 are supported there; smooth the medium, or use a finer grid";
+      return status;
+    }
     if (stalled) {
       status.reason =
           "the residual stopped falling: single precision cannot resolve this contrast of coefficients; use a "
           "looser tolerance, or a finer grid where the medium changes from cell to cell";
       return status;
     }
-    if (status.iterations >= options_.max_iterations) {
+    if (given_up) {
       status.reason = "no convergence in " + std::to_string(status.iterations) +
                       " iterations: the medium changes by orders "
                       "of magnitude from cell to cell; use a finer grid or smooth the medium";

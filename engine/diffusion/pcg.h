@@ -16,7 +16,7 @@ struct SolverOptions {
   int max_iterations = 100;
   int batch = 1;        // iterations between two looks at the residual
   int corrections = 2;  // deferred-correction passes that make the surface second order; 0: first order
-  MultigridOptions multigrid;
+  CycleOptions multigrid;
 };
 
 struct SolverStatus {

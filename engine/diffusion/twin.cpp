@@ -7,7 +7,6 @@
 #include <cmath>
 
 #include "diffusion/dense.h"
-#include "diffusion/islands.h"
 
 namespace alabaster::twin {
 
@@ -151,17 +150,17 @@ Operator Interpolation::galerkin(const Operator& a) const {
   return g;
 }
 
-std::vector<double> chebyshev_omegas(int sweeps, double lowest) {
+std::vector<double> chebyshev_omegas(int steps, double lowest) {
   std::vector<double> omegas;
-  for (int k = 0; k < sweeps; ++k) {
-    double root = std::cos(M_PI * (k + 0.5) / sweeps);
+  for (int k = 0; k < steps; ++k) {
+    double root = std::cos(M_PI * (k + 0.5) / steps);
     omegas.push_back(2 / ((1 + lowest) + (1 - lowest) * root));
   }
   return omegas;
 }
 
-Multigrid::Multigrid(Operator finest, CycleOptions options)
-    : options_(options), omegas_(chebyshev_omegas(options.sweeps, options.lowest)) {
+Multigrid::Multigrid(Operator finest, CycleOptions options) : options_(options) {
+  const Smoothing& smoothing = islands_of(finest).rough ? options.rough : options.even;
   levels_.push_back({std::move(finest), {}, {}, {}, {}});
   while (true) {
     glm::ivec3 n = levels_.back().a.grid.n;
@@ -173,6 +172,8 @@ Multigrid::Multigrid(Operator finest, CycleOptions options)
     level.inverse_l1 = level.a.inverse_l1();
     for (Vector* v : {&level.x, &level.b, &level.r}) v->assign(level.a.grid.size(), 0.0);
   }
+  omegas_ = chebyshev_omegas(smoothing.sweeps, smoothing.lowest);
+  visits_ = chebyshev_omegas(levels_.size() > 2 ? smoothing.visits : 1, options.visited);
   factor_coarsest();
 }
 
@@ -209,6 +210,19 @@ void Multigrid::smooth(Level& level, bool from_zero) {
   }
 }
 
+// x of level l for its b: one cycle, or two as the steps of a Chebyshev iteration.
+void Multigrid::solve_level(std::size_t l) {
+  cycle(l);
+  if (l != 1 || visits_.size() == 1) return;
+  Level& level = levels_[l];
+  Vector kept = level.x;
+  for (double& v : kept) v *= visits_[0];
+  level.a.apply(kept, level.r);
+  for (std::size_t i = 0; i < level.b.size(); ++i) level.b[i] -= level.r[i];
+  cycle(l);
+  for (std::size_t i = 0; i < level.x.size(); ++i) level.x[i] = kept[i] + visits_[1] * level.x[i];
+}
+
 void Multigrid::cycle(std::size_t l) {
   Level& level = levels_[l];
   if (l + 1 == levels_.size()) {
@@ -224,7 +238,7 @@ void Multigrid::cycle(std::size_t l) {
   level.a.apply(level.x, level.r);  // r = b - A x
   for (std::size_t i = 0; i < level.r.size(); ++i) level.r[i] = level.b[i] - level.r[i];
   interpolations_[l].restrict_to(level.r, levels_[l + 1].b);  // b' = P^T r
-  cycle(l + 1);
+  solve_level(l + 1);
   interpolations_[l].prolong_add(levels_[l + 1].x, level.x);  // x += P x'
   smooth(level, false);
 }
@@ -245,7 +259,7 @@ double dot(const Vector& a, const Vector& b) {
       std::plus<double>());
 }
 
-Deflation::Deflation(const Operator& a) {
+Islands islands_of(const Operator& a) {
   const glm::ivec3 n = a.grid.n;
   std::vector<float> stencil(std::size_t(DIFFUSION_FINEST_ENTRIES) * n.x * n.y * n.z);
   for_cells(a.grid, [&](glm::ivec3 c, std::ptrdiff_t i) {
@@ -261,7 +275,11 @@ Deflation::Deflation(const Operator& a) {
     }
     entry_at(DIFFUSION_REACTION) = static_cast<float>(reaction);
   });
-  const Islands found = find_islands(n, stencil);
+  return find_islands(n, stencil);
+}
+
+Deflation::Deflation(const Operator& a) {
+  const Islands found = islands_of(a);
   Vector one(a.grid.size(), 0.0);  // 1 on the island at hand
   for (const IslandSpan& span : found.spans) {
     Island island;

@@ -8,6 +8,9 @@
 #include <string>
 #include <vector>
 
+#include "diffusion/islands.h"
+#include "diffusion/smoothing.h"
+
 namespace alabaster::twin {
 
 using Vector = std::vector<double>;
@@ -66,12 +69,6 @@ struct Level {
   Vector x, b, r;
 };
 
-struct CycleOptions {
-  int sweeps = 2;          // smoothing steps before and after
-  double lowest = 0.15;    // Chebyshev steps damp the part [lowest, 1] of the l1-scaled spectrum
-  int direct_cells = 512;  // coarsest level: the first below the finest of at most this many, solved directly
-};
-
 /// Symmetric V-cycle: a preconditioner for conjugate gradients.
 class Multigrid {
  public:
@@ -83,19 +80,23 @@ class Multigrid {
 
  private:
   void cycle(std::size_t l);
+  void solve_level(std::size_t l);
   void smooth(Level& level, bool from_zero);
   void factor_coarsest();
 
   CycleOptions options_;
-  std::vector<double> omegas_;
+  std::vector<double> omegas_, visits_;
   std::vector<Level> levels_;
   std::vector<Interpolation> interpolations_;
   std::vector<std::ptrdiff_t> coarsest_cells_;
   Vector coarsest_inverse_;  // dense, of the active cells
 };
 
-/// The factors of x += omega D^-1 (b - A x) that make `sweeps` steps the Chebyshev smoother of [lowest, 1].
-std::vector<double> chebyshev_omegas(int sweeps, double lowest);
+/// The factors of x += omega D^-1 (b - A x) that make `steps` steps the Chebyshev iteration of [lowest, 1].
+std::vector<double> chebyshev_omegas(int steps, double lowest);
+
+/// The islands of a seven-point operator, and how rough it is.
+Islands islands_of(const Operator& a);
 
 /// The islands of a seven-point operator (islands.h): Z E^-1 Z^T, E = Z^T A Z.
 class Deflation {

@@ -1,10 +1,12 @@
 // What every island is to be lifted by (engine/diffusion/islands.h): E^-1 Z^T (r - A z), or with `start` E^-1 Z^T r; one
-// workgroup an island. Flows within an island cancel in Z^T A z, so only its reaction and what crosses its boundary are
-// summed, and nothing is lost to rounding.
+// subgroup an island: most are small, and a barrier costs a CPU more than their sums. Flows within an island cancel in
+// Z^T A z, so only its reaction and what crosses its boundary are summed, and nothing is lost to rounding.
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
 #include "shared/diffusion.h"
+#extension GL_KHR_shader_subgroup_basic : require
+#extension GL_KHR_shader_subgroup_arithmetic : require
 layout(local_size_x = 64) in;
 layout(constant_id = 0) const int start = 0;
 layout(push_constant, scalar) uniform PushBlock { IslandPush push; };
@@ -14,7 +16,6 @@ layout(binding = 2, scalar) writeonly buffer Lifts { float lifts[]; };  // 0 for
 layout(binding = 3, rgba32f) uniform readonly image3D r;
 layout(binding = 4, rgba32f) uniform readonly image3D z;
 layout(binding = 5, rgba32f) uniform readonly image3D stencil;
-shared float shares[64];
 
 float r_at(ivec3 c) { return imageLoad(r, ivec3(c.x >> 2, c.yz))[c.x & 3]; }
 float z_at(ivec3 c) { return imageLoad(z, ivec3(c.x >> 2, c.yz))[c.x & 3]; }
@@ -33,18 +34,14 @@ float share_of(uint packed_entry, int channel) {
 }
 
 void main() {
-  uint lane = gl_LocalInvocationIndex;
-  for (uint island = gl_WorkGroupID.x; island < push.islands; island += gl_NumWorkGroups.x) {
+  uint stride = gl_NumWorkGroups.x * gl_NumSubgroups;
+  for (uint island = gl_WorkGroupID.x * gl_NumSubgroups + gl_SubgroupID; island < push.islands; island += stride) {
     IslandSpan span = spans[island];
     uint end = start != 0 ? span.faces : span.end;
     float sum = 0;
-    for (uint i = span.cells + lane; i < end; i += 64) sum += share_of(entries[i], span.channel);
-    shares[lane] = sum;
-    for (uint half_ = 32; half_ > 0; half_ >>= 1) {
-      barrier();
-      if (lane < half_) shares[lane] += shares[lane + half_];
-    }
-    if (lane == 0) lifts[1 + island] = span.weight * shares[0];
-    barrier();
+    for (uint i = span.cells + gl_SubgroupInvocationID; i < end; i += gl_SubgroupSize)
+      sum += share_of(entries[i], span.channel);
+    sum = subgroupAdd(sum);
+    if (subgroupElect()) lifts[1 + island] = span.weight * sum;
   }
 }

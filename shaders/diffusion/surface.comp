@@ -10,6 +10,7 @@
 #include "diffusion/cut.glsl"
 #include "shared/optics.h"
 layout(local_size_x = 8, local_size_y = 8) in;
+layout(constant_id = 0) const int near = 0;  // 0: texel by texel of the grid; 1: the cells of the list
 layout(push_constant, scalar) uniform PushBlock { SurfacePush push; };
 layout(binding = 3, scalar) readonly buffer Scales { FluenceScale scales[]; };
 layout(binding = 4, scalar) readonly buffer Gradients { vec4 gradients[]; };
@@ -21,6 +22,8 @@ layout(binding = 9, rgba32f) uniform writeonly image3D phi_up;
 layout(binding = 10, rgba32f) uniform writeonly image3D phi_down;
 layout(binding = 11, rgba32f) uniform writeonly image3D gamma_up;
 layout(binding = 12, rgba32f) uniform writeonly image3D gamma_down;
+
+layout(binding = 16, scalar) readonly buffer NearCells { uint near_cells[]; };  // x | y << 10 | z << 20: near_surface.h
 
 const float sliver = 0.05;  // h^3; a smaller cut cell's value comes from its neighbours, as if it were outside
 
@@ -62,21 +65,22 @@ struct Around {
   vec3 phi[2];
 };
 
-// Without `needed` the loop is empty: a CPU's vector lanes would run a branch they do not take.
-Around look_around(ivec3 cell, bool needed) {
+// Without `wants_phi` only the light. The loop over sides is empty then: a CPU's vector lanes would run a branch they do
+// not take.
+Around look_around(ivec3 cell, bool wants_phi) {
   Around around;
   float weights = 0;
   for (int side = 0; side < 2; ++side) {
     around.sums[side] = SideSums(vec4(0), vec3(0));
     around.phi[side] = vec3(0);
   }
-  for (int n = needed ? 0 : 27; n < 27; ++n) {
+  for (int n = 0; n < 27; ++n) {
     ivec3 d = ivec3(n % 3, n / 3 % 3, n / 9) - 1;
     uint index = cut_at(cell + d);
     if (index == 0) continue;
     vec3 away = vec3(0.5) - vec3(d), apart = away - cut_cells[index].centre;
     float weight = cut_cells[index].volume / dot(apart, apart);
-    for (int side = 0; side < 2; ++side) around.phi[side] += weight * carried(index, away, side);
+    for (int side = wants_phi ? 0 : 2; side < 2; ++side) around.phi[side] += weight * carried(index, away, side);
     weights += weight;
     add(around.sums, index);
   }
@@ -92,14 +96,9 @@ vec3 mean_gamma(SideSums sums[2], int side) {
   return sum.w > 0 ? sum.rgb / sum.w : vec3(0);
 }
 
-void main() {
-  ivec3 t = ivec3(gl_GlobalInvocationID);
-  bool solid = false, open = false;  // is there any of either in the texels around?
-  for (int n = 0; n < 27 && !(solid && open); ++n) {
-    vec4 size = imageLoad(volume, t + ivec3(n % 3, n / 3 % 3, n / 9) - 1);
-    solid = solid || any(greaterThan(size, vec4(0)));
-    open = open || any(lessThan(size, vec4(1)));
-  }
+// phi of cells far from any surface, and a first word on the others, which the second dispatch says anew. Their Gamma_s
+// stays as the images were made: zero.
+void far_cells(ivec3 t) {
   vec4 own = imageLoad(volume, t), values[3];
   for (int c = 0; c < 3; ++c) {
     int channel = min(c, push.channels - 1);
@@ -107,24 +106,46 @@ void main() {
   }
   for (int lane = 0; lane < 4; ++lane) {
     ivec3 cell = ivec3(4 * t.x + lane, t.yz);
-    uint index = cut_at(cell);
-    bool whole = index == 0 && own[lane] > 0, cut = index != 0 && own[lane] >= sliver;
-    Around around = look_around(cell, solid && open);
-    SideSums here[2] = SideSums[2](SideSums(vec4(0), vec3(0)), SideSums(vec4(0), vec3(0)));
-    if (index != 0) add(here, index);
-    for (int side = 0; side < 2; ++side) {
-      vec3 value = around.phi[side];
-      if (whole) value = vec3(values[0][lane], values[1][lane], values[2][lane]);
-      if (cut) value = carried(index, vec3(0.5), side);
-      vec3 gamma = here[side].gamma.w > 0 ? mean_gamma(here, side) : mean_gamma(around.sums, side);
-      if (push.channels == 1) gamma = gamma.rrr;
-      if (side == 0) {
-        imageStore(phi_up, cell, vec4(value, 1));
-        imageStore(gamma_up, cell, vec4(gamma, 1));
-      } else {
-        imageStore(phi_down, cell, vec4(value, 1));
-        imageStore(gamma_down, cell, vec4(gamma, 1));
-      }
+    float inside = float(cut_at(cell) == 0 && own[lane] > 0);
+    vec4 value = vec4(inside * vec3(values[0][lane], values[1][lane], values[2][lane]), 1);
+    imageStore(phi_up, cell, value);
+    imageStore(phi_down, cell, value);
+  }
+}
+
+void near_cell(uint number) {
+  uint packed_cell = near_cells[min(number, near_cells.length() - 1)];
+  ivec3 cell = ivec3(packed_cell & 1023u, packed_cell >> 10 & 1023u, packed_cell >> 20);
+  float own = imageLoad(volume, ivec3(cell.x >> 2, cell.yz))[cell.x & 3];
+  uint index = cut_at(cell);
+  bool whole = index == 0 && own > 0, cut = index != 0 && own >= sliver;
+  Around around = look_around(cell, !(whole || cut));
+  SideSums here[2] = SideSums[2](SideSums(vec4(0), vec3(0)), SideSums(vec4(0), vec3(0)));
+  if (index != 0) add(here, index);
+  vec3 inner;
+  for (int c = 0; c < 3; ++c) {
+    int channel = min(c, push.channels - 1);
+    inner[c] = imageLoad(phi, ivec3(cell.x >> 2, cell.y, cell.z + channel * push.cells.z))[cell.x & 3] * scales[channel].unit;
+  }
+  if (number >= near_cells.length()) return;
+  for (int side = 0; side < 2; ++side) {
+    vec3 value = whole ? inner : around.phi[side];
+    if (cut) value = carried(index, vec3(0.5), side);
+    vec3 gamma = here[side].gamma.w > 0 ? mean_gamma(here, side) : mean_gamma(around.sums, side);
+    if (push.channels == 1) gamma = gamma.rrr;
+    if (side == 0) {
+      imageStore(phi_up, cell, vec4(value, 1));
+      imageStore(gamma_up, cell, vec4(gamma, 1));
+    } else {
+      imageStore(phi_down, cell, vec4(value, 1));
+      imageStore(gamma_down, cell, vec4(gamma, 1));
     }
   }
+}
+
+void main() {
+  if (near == 0)
+    far_cells(ivec3(gl_GlobalInvocationID));
+  else
+    near_cell(64 * gl_WorkGroupID.x + gl_LocalInvocationIndex);
 }

@@ -1,4 +1,5 @@
 // The fluence solver on the device: its operator and residual against the twin, and its behaviour at the edges.
+#include "alabaster-bench/problems.h"
 #include "support/diffusion_device.h"
 #include "support/diffusion_problems.h"
 
@@ -162,6 +163,27 @@ TEST_F(GpuDiffusion, GivesUpWithAReason) {
   EXPECT_FALSE(solved.status.converged);
   EXPECT_NE(solved.status.reason.find("no convergence"), std::string::npos) << solved.status.reason;
   EXPECT_GT(solved.status.relative_residual[0], 1e-6);
+}
+
+TEST_F(GpuDiffusion, NoiseOfCellsIsNamedAndSharpPartsAreNot) {
+  SolverOptions options;
+  options.max_iterations = 2;
+  const Mesh ball = icosphere(4, 0.5f);
+  const double cell = choose_frame(bounds_of(ball), 24).h;
+  const MediumField noise = [cell](glm::dvec3 p) {  // log-normal, contrast 1e8 between two deviations down and up
+    const glm::ivec3 b = glm::ivec3(glm::floor(p / cell)) + 1000;
+    std::mt19937 engine(std::uint32_t(b.x + 4001 * (b.y + 4001 * b.z)));
+    engine.discard(3);
+    std::normal_distribution<double> normal;
+    return scatterer(glm::dvec3(0.02 * std::exp(0.25 * std::log(1e8) * normal(engine))));
+  };
+  Body noisy(context, ball, 24, noise, 1, 1.3, options);
+  const SolverStatus status = noisy.solve(glm::vec3(1)).status;
+  EXPECT_FALSE(status.converged);
+  EXPECT_NE(status.reason.find("noise at the scale of a cell"), std::string::npos) << status.reason;
+  EXPECT_GT(noisy.diffusion().multigrid().deflation().noise(), 0.1);
+  for (const MediumField& field : {vein_medium(0.1, 1e4), vein_medium(0.4, 1e6), checker_medium(0.11, 1e4)})
+    EXPECT_LT(Body(context, ball, 24, field).diffusion().multigrid().deflation().noise(), 0.03);
 }
 
 }  // namespace

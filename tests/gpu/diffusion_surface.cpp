@@ -3,6 +3,7 @@
 // slivers, cells without neighbours along an axis, bent facets and sheets back to back in a cell all occur.
 #include <random>
 
+#include "diffusion/near_surface.h"
 #include "support/diffusion_device.h"
 
 namespace alabaster {
@@ -117,21 +118,17 @@ void GpuDiffusionSurface::check_surface() {
   for (const char* name : {"phi up", "phi down", "gamma up", "gamma down"})
     images.push_back(gpu::image3d(context, n, VK_FORMAT_R32G32B32A32_SFLOAT, name));
   gpu::Commands commands(context);
-  commands.dispatch(passes.surface, {n.x / 4, n.y, n.z},
-                    {{"cut_index", domain.cut_index},
-                     {"cut_cells", domain.cut_cells},
-                     {"scales", scale_buffer},
-                     {"gradients", gradients},
-                     {"volume", domain.volume},
-                     {"phi", body.diffusion().pcg().solution()},
-                     {"gamma_s", gamma_buffer},
-                     {"query_gamma", query_buffer},
-                     {"facets", body.diffusion().facet_medium()},
-                     {"phi_up", images[0]},
-                     {"phi_down", images[1]},
-                     {"gamma_up", images[2]},
-                     {"gamma_down", images[3]}},
-                    push());
+  const std::vector<std::uint32_t> near = cells_near_surface(context, domain);
+  const gpu::Buffer near_cells = gpu::make_buffer(context, near, "near cells");
+  const gpu::Bindings bindings{
+      {"cut_index", domain.cut_index}, {"cut_cells", domain.cut_cells}, {"scales", scale_buffer},
+      {"gradients", gradients},        {"volume", domain.volume},       {"phi", body.diffusion().pcg().solution()},
+      {"gamma_s", gamma_buffer},       {"query_gamma", query_buffer},   {"facets", body.diffusion().facet_medium()},
+      {"near_cells", near_cells},      {"phi_up", images[0]},           {"phi_down", images[1]},
+      {"gamma_up", images[2]},         {"gamma_down", images[3]}};
+  for (const gpu::Image& image : images) commands.clear(image);
+  commands.dispatch(passes.surface[0], {n.x / 4, n.y, n.z}, bindings, push());
+  commands.dispatch(passes.surface[1], {near.size() / 8 + 8, 8, 1}, bindings, push());
   commands.submit();
   std::size_t kinds[4] = {0}, sheets = 0;  // whole, cut, taken from neighbours, far outside; with a slope a side
   Largest fluence_seen, gamma_seen;
