@@ -4,7 +4,16 @@
 
 namespace alabaster {
 
-static_assert(sizeof(BeamPush) == 72);
+static_assert(sizeof(BeamPush) == 80);
+
+namespace {
+
+std::uint32_t samples_at_once(glm::ivec3 cells) {
+  const int turns = BEAM_MOST_STEPS * BEAM_TURNS_A_STEP * (cells.x + cells.y + cells.z);
+  return static_cast<std::uint32_t>(std::max(BEAM_MOST_TURNS / turns, 1));
+}
+
+}  // namespace
 
 glm::dvec3 beam_unit(const LightSamples& lights, const GridFrame& frame) {
   const double h = frame.h;
@@ -49,17 +58,19 @@ void BeamSource::record(gpu::Commands& commands, const Lighting& lighting, const
   const SurfaceOptics optics(eta);
   const glm::ivec3 n = domain_.frame.cells;
   unit_ = beam_unit(lighting.samples(), domain_.frame);
-  const BeamPush push{n,
-                      static_cast<int>(receivers_.count() / 2),
-                      channels_,
-                      static_cast<float>(eta),
-                      static_cast<float>(optics.f_dt_outer),
-                      static_cast<float>(optics.A),
-                      static_cast<float>(optics.f_dt),
-                      domain_.frame.h,
-                      glm::vec3(medium.kappa_scale),
-                      glm::vec3(unit_),
-                      around.shape};
+  BeamPush push{n,
+                static_cast<int>(receivers_.count() / 2),
+                channels_,
+                static_cast<float>(eta),
+                static_cast<float>(optics.f_dt_outer),
+                static_cast<float>(optics.A),
+                static_cast<float>(optics.f_dt),
+                domain_.frame.h,
+                glm::vec3(medium.kappa_scale),
+                glm::vec3(unit_),
+                around.shape,
+                0,
+                0};
   for (const gpu::Buffer* sums : {&deposits_, &carries_, &counters_, &leaving_}) commands.fill(*sums);
   gpu::Bindings bindings = arrival_bindings(lighting, receivers_, around);
   for (const gpu::Binding& binding : gpu::Bindings{{"media", medium.facets},
@@ -77,7 +88,13 @@ void BeamSource::record(gpu::Commands& commands, const Lighting& lighting, const
                                                    {"entered", entered_},
                                                    {"near_light", near_}})
     bindings.push_back(binding);
-  commands.dispatch(march_, {push.count, 1, 1}, bindings, push);
+  const LightSamples& lights = lighting.samples();
+  const std::size_t samples =
+      lights.area.size() + (around.shape.sides > 0 ? around.shape.directions : lights.directions.size());
+  for (; push.first == 0 || push.first < samples; push.first = push.end) {
+    push.end = push.first + samples_at_once(n);
+    commands.dispatch(march_, {push.count, 1, 1}, bindings, push);
+  }
   commands.dispatch(source_, {n.x / 4, n.y, n.z * channels_},
                     {{"deposits", deposits_}, {"carries", carries_}, {"power", power_}}, push);
   const gpu::Bindings through{{"leaving", leaving_},

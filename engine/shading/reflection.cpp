@@ -191,7 +191,13 @@ void Reflection::record_straight(gpu::Commands& commands, const Shading::Input& 
   for (const gpu::Binding& binding : target.surface.straight->bindings()) all.push_back(binding);
   const auto timer = commands.time("straight");
   if (!straight_) straight_ = std::make_unique<gpu::Pass>(context_, "shading/straight.comp");
-  commands.dispatch(*straight_, {target.extent, 1}, all, push(input, mirrored, target));
+  // One by one as above: ways through a thin object are long.
+  ReflectionPush part = push(input, mirrored, target);
+  const std::uint32_t samples = part.end_sample;
+  for (part.first_sample = 0; part.first_sample < samples; ++part.first_sample) {
+    part.end_sample = part.first_sample + 1;
+    commands.dispatch(*straight_, {target.extent, 1}, all, part);
+  }
 }
 
 }  // namespace alabaster

@@ -1,4 +1,5 @@
-// Marches every light sample from each facet into the object and lays down what it loses: one thread a cut cell.
+// Marches light samples (push.first to push.end) from each facet into the object and lays down what they lose: one thread a cut
+// cell. What the facets keep is added to what the samples before left there.
 //
 // In each cell the beam loses units by exp(-sigma_t' s) with the cell's reduced coefficients; the scattered share becomes a
 // source, the rest is absorbed. A loss between two cells' centroids along the way is shared between them so that its mean depth
@@ -29,10 +30,10 @@ layout(binding = 11, scalar) buffer Carries { uint carries[]; };    // high word
 layout(binding = 12, scalar) buffer Counters { uint counters[]; };
 layout(binding = 19, scalar) buffer Leaving { uint leaving[]; };  // units through each entry: low words, then high words
 // Two a cut cell:
-layout(binding = 13, scalar) writeonly buffer GammaS { vec3 gamma_s[]; };          // of the boundary condition, W/m^2
-layout(binding = 14, scalar) writeonly buffer QueryGamma { vec3 query_gamma[]; };  // of the render query
-layout(binding = 15, scalar) writeonly buffer Entered { vec3 entered[]; };         // all that enters
-layout(binding = 16, scalar) writeonly buffer Near { vec4 near_light[]; };         // scattered near the facet, W/m^2; mean cosine
+layout(binding = 13, scalar) buffer GammaS { vec3 gamma_s[]; };          // of the boundary condition, W/m^2
+layout(binding = 14, scalar) buffer QueryGamma { vec3 query_gamma[]; };  // of the render query
+layout(binding = 15, scalar) buffer Entered { vec3 entered[]; };         // all that enters
+layout(binding = 16, scalar) buffer Near { vec4 near_light[]; };         // scattered near the facet, W/m^2; mean cosine
 
 const int counter_words = 3 * BEAM_COUNTERS;
 // Cells (h): what is scattered nearer than this to its facet drives the boundary condition, where the object is that deep.
@@ -191,7 +192,7 @@ void march(Facet f, ivec3 cell, vec3 along, uvec3 units) {
   int mirrors = 0;
   bool inside = false;
   uint last = f.index;  // cut cell on the way
-  const int most_steps = 4 * (push.cells.x + push.cells.y + push.cells.z);
+  const int most_steps = BEAM_MOST_STEPS * (push.cells.x + push.cells.y + push.cells.z);
   for (int n = 0; n < most_steps; ++n) {
     const Solid s = solid_at(w.cell);
     if (!s.there) {
@@ -250,7 +251,7 @@ void light_side(uint index, int s) {
   vec3 all = vec3(0);
   near_sum = boundary_sum = leaving_sum = vec3(0);
   near_cosine = 0;
-  for (uint i = 0; i < arrivals(); ++i) {
+  for (uint i = push.first; i < min(push.end, arrivals()); ++i) {
     const Arrival light = arrival(i, receiver, push.eta, sky);
     all += light.flux;
     uvec3 units = uvec3(0);
@@ -260,15 +261,23 @@ void light_side(uint index, int s) {
     f.mu = max(refracted_cosine(light.cosine, push.eta), 1e-4);
     totals[BEAM_ENTERED] += units;
     march(f, cell, normalize((light.cosine * f.normal - light.towards) / push.eta - f.mu * f.normal), units);
-    if ((i & 63u) == 63u) count_totals();
   }
   count_totals();
   const vec3 flux = push.unit / area;
+  if (push.first == 0) {
+    gamma_s[at] = query_gamma[at] = entered[at] = vec3(0);
+    near_light[at] = vec4(0);
+  }
+  for (int c = 0; c < push.channels; ++c) {  // the mean cosine is weighted with units
+    if (flux[c] <= 0) continue;
+    near_sum[c] += near_light[at][c] / flux[c];
+    near_cosine += near_light[at][c] / flux[c] * near_light[at].a;
+  }
   const float near_power = near_sum.x + near_sum.y + near_sum.z;
-  gamma_s[at] = boundary_sum * flux;
-  query_gamma[at] = (boundary_sum - push.A * leaving_sum) * flux;
+  gamma_s[at] += boundary_sum * flux;
+  query_gamma[at] += (boundary_sum - push.A * leaving_sum) * flux;
   near_light[at] = vec4(near_sum * flux, near_power > 0 ? near_cosine / near_power : 1);
-  entered[at] = all;
+  entered[at] += all;
 }
 
 void main() {

@@ -76,7 +76,7 @@ Gathered gather_along(vec3 from, vec3 normal, vec3 along) {
       continue;
     }
     if (grid.channels == 1) s.sigma_t = s.sigma_t.rrr, s.albedo = s.albedo.rrr;
-    if (!inside) sum = near_part(from, down, s, -dot(normal, along));
+    if (!inside) sum = near_part(from, down, s, max(-dot(normal, along), 1e-3));  // edge-on rounding may turn it
     inside = true;
     vec3 far_normal;
     float end = cell_end(w);

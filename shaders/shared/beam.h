@@ -9,6 +9,11 @@ ALABASTER_BEGIN_SHARED
 
 // Most units that one beam starts with: whole numbers up to here are exact in single precision.
 #define BEAM_MOST_UNITS 16777216.0
+// Lavapipe ends an invocation after 65535 turns of its loops, all taken together: a step through a cell takes some twenty,
+// and a beam at most BEAM_MOST_STEPS times as many steps as the grid has cells along its three edges together.
+#define BEAM_MOST_STEPS 4
+#define BEAM_TURNS_A_STEP 30
+#define BEAM_MOST_TURNS 65000
 // A beam with less than 1 / this of its units left in every channel is laid down where it is (7 mean free paths).
 #define BEAM_LEAST_SHARE 1024u
 #define BEAM_MOST_REFLECTIONS 4
@@ -30,6 +35,7 @@ struct BeamPush {
   vec3 kappa_scale;  // m
   vec3 unit;         // W; 0: no light in the channel
   SkyLinks sky;
+  uint first, end;   // of the samples: a part of them at a time, the end is past the last
 };
 
 // Mean of t over [0, 1] weighted with exp(-x t): where in a segment of optical depth x a beam is lost.

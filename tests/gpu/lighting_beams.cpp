@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "lighting/beam_source.h"
+#include "lighting/facet_source.h"
 #include "support/beam_twin.h"
 #include "support/lit_scene.h"
 
@@ -188,6 +189,44 @@ TEST_F(LightingBeams, MarchEqualsTwin) {
   }
   std::printf("through: off by %.1e of all\n", off / all);
   EXPECT_LT(off, 5e-3 * all);
+}
+
+// Long ways of many samples: nothing is cut short (shared/beam.h, BEAM_MOST_TURNS).
+TEST_F(LightingBeams, ManySamplesInAThinMedium) {
+  const Mesh mesh = icosphere(3);
+  const double eta = 1.5;
+  Scene scene;
+  scene.objects = {
+      make_object(Role::translucent, mesh),
+      make_light(transformed(quad(1, 1), translation({0.3, 3, 0.2}) * rotation({1, 0, 0}, 180)), {300, 200, 100})};
+  scene.objects[0].eta = eta;
+  scene.environment.radiance = {3, 2, 1};
+  const MediumPoint point{glm::dvec3(0.02), glm::dvec3(0.005)};
+  Body body(
+      context, mesh, 20, [=](glm::dvec3) { return point; }, 3, eta);
+  const LitScene lit(context, scene, {96, 32, 64});
+  BeamSource beam(context, body.domain(), 3);
+  const FacetSource facets(context, body.domain());
+  const Diffusion& d = body.diffusion();
+  gpu::Commands commands(context);
+  beam.record(commands, lit.lighting, {d.kappa(), d.absorption(), d.facet_medium(), d.kappa_scale(), 3}, eta);
+  facets.record_direct(commands, lit.lighting, eta);
+  commands.submit();
+  const BeamTotals t = beam.totals();
+  const auto entered = gpu::download<glm::vec3>(context, beam.entered()),
+             gathered = gpu::download<glm::vec3>(context, facets.direct());
+  glm::dvec3 all(0), apart(0);
+  for (std::size_t i = 2; i < entered.size(); ++i) {
+    const double area = body.cut_cells()[i / 2].side[i % 2].area * std::pow(body.domain().frame.h, 2);
+    all += area * glm::dvec3(gathered[i]);
+    apart += area * glm::abs(glm::dvec3(gathered[i]) - glm::dvec3(entered[i]));
+  }
+  for (int c = 0; c < 3; ++c) {
+    EXPECT_NEAR(t.entered[c], all[c], 1e-4 * all[c]);
+    EXPECT_LT(apart[c], 1e-4 * all[c]);
+    EXPECT_NEAR(t.near[c] + t.in_cells[c] + t.absorbed[c] + t.through[c], t.entered[c], 1e-9 * all[c]);
+    EXPECT_GT(t.through[c], 0.8 * all[c]);
+  }
 }
 
 // Chords of a ball in parallel light, eta 1: what goes through is 2 (1 - (1 + x) e^-x) / x^2 with x = 2 R sigma_t.
