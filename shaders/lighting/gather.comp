@@ -1,6 +1,6 @@
 // Adds E_t of a few light samples at every receiver, one thread each. A few at a time: so the maps that all receivers look
 // into stay in the cache; and that the lights are the same for all threads is plain to the compiler, which lavapipe needs
-// to read them once and not lane by lane. Both together make it four times as fast as a loop over all samples.
+// to read them once and not lane by lane. Both together make it some three times as fast as a loop over all samples.
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
