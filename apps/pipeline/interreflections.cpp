@@ -6,9 +6,9 @@ namespace alabaster {
 namespace {
 
 // The passes end when what surfaces send each other changes by less than this share of the light.
-constexpr double exchange_tolerance = 3e-5;
+constexpr double exchange_tolerance = 1e-4;
 // The solver's residual in a pass, of the change in the pass before.
-constexpr double residual_share = 0.02;
+constexpr double residual_share = 0.05;
 
 std::vector<ExchangeBody> exchange_bodies(const std::vector<LitBody>& bodies) {
   std::vector<ExchangeBody> result;

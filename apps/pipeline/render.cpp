@@ -206,8 +206,8 @@ RenderResult render_scene(gpu::Context& context, const Scene& scene, const Plan&
     }
     {
       Stage stage(result, "solver set-up");
-      body.diffusion = std::make_unique<Diffusion>(context, *solver_passes, *fluence_passes, body.domain, medium,
-                                                   object.eta, options);
+      body.diffusion = std::make_unique<Diffusion>(context, *solver_passes, *fluence_passes, body.domain,
+                                                   std::move(medium), object.eta, options);
       body.light = std::make_unique<BodyLight>(context, plan.transport, body.domain, *body.diffusion, object.eta);
       if (body.light->beam())
         body.straight = std::make_unique<Straight>(context, body.domain, *body.diffusion, object.eta);

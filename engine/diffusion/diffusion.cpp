@@ -60,7 +60,7 @@ double EnergyBalance::imbalance() const {
 }
 
 Diffusion::Diffusion(gpu::Context& context, const DiffusionPasses& solver_passes, const FluencePasses& passes,
-                     const Domain& domain, const MediumSamples& medium, double eta, const SolverOptions& options)
+                     const Domain& domain, MediumSamples medium, double eta, const SolverOptions& options)
     : context_(context),
       passes_(passes),
       domain_(domain),
@@ -90,15 +90,16 @@ Diffusion::Diffusion(gpu::Context& context, const DiffusionPasses& solver_passes
   commands.fill(scales_);
   for (const gpu::Image& image : surface_gamma_) commands.clear(image);
   commands.submit();
-  set_medium(medium);
+  set_medium(std::move(medium));
 }
 
-void Diffusion::set_medium(const MediumSamples& medium) {
+void Diffusion::set_medium(MediumSamples medium) {
   kappa_scale_ = medium.kappa_scale;
   gpu::upload(context_, multigrid_.finest().stencil, medium.kappa);
   gpu::upload(context_, kappa_, medium.cell_kappa);
   gpu::upload(context_, absorption_, medium.absorption);
   gpu::upload(context_, facets_, medium.facets);
+  medium = {};  // the set-up that follows is where host memory peaks
   const glm::vec3 resistance(A_ * kappa_scale_ / double(domain_.frame.h));
   gpu::Commands commands(context_);
   {

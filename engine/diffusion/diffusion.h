@@ -41,10 +41,10 @@ class Diffusion {
  public:
   /// `domain` and the passes outlive this. One or three channels, as `medium` has.
   Diffusion(gpu::Context& context, const DiffusionPasses& solver_passes, const FluencePasses& passes,
-            const Domain& domain, const MediumSamples& medium, double eta, const SolverOptions& options = {});
+            const Domain& domain, MediumSamples medium, double eta, const SolverOptions& options = {});
 
   /// A new medium on the same grid; the solution stays as the start of the next solve.
-  void set_medium(const MediumSamples& medium);
+  void set_medium(MediumSamples medium);
 
   /// Starts from the solution of before where there is one. Then makes surface() and surface_gamma().
   SolverStatus solve(const FacetLight& light);

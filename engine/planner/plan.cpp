@@ -101,7 +101,7 @@ void plan_interreflections(const Scene& scene, const Request& request, Plan& pla
   const bool preview = request.quality == Quality::preview;
   plan.exchange_directions = request.exchange_directions.value_or(preview                                ? 16
                                                                   : request.quality == Quality::accurate ? 64
-                                                                                                         : 32);
+                                                                                                         : 24);
   plan.interreflections = request.interreflections.value_or(preview ? 2 : 12);
   const std::string none = without_exchange(scene, request.transport);
   if (!none.empty()) plan.interreflections = 0;

@@ -55,7 +55,7 @@ struct Plan {
   // Light between surfaces: passes at most (it stops when what is still under way is below 1e-4 of the light) and
   // directions of each facet.
   int interreflections = 0;
-  int exchange_directions = 32;
+  int exchange_directions = 24;
   std::vector<std::string> reasons;  // one line each
 };
 

@@ -52,6 +52,7 @@ class Regression : public GpuTest {
     request.size = {96, 72};
     request.grid = 24;
     request.light_samples = 8;
+    request.exchange_directions = 32;
     const RenderResult result = render_scene(context, scene, make_plan(scene, request, context.info().heap_bytes));
     const std::string path = std::string(ALABASTER_TESTS) + "/image/" + name + ".exr";
     Picture picture;
