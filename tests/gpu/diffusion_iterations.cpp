@@ -47,6 +47,11 @@ TEST_F(GpuDiffusionIterations, SharpMediaInBall) {
   }
 }
 
+// Where two visits of the first coarse level made the preconditioner indefinite.
+TEST_F(GpuDiffusionIterations, WideVeinsInAFineBall) {
+  EXPECT_LE(solve(icosphere(5, 0.5f), 64, vein_medium(0.4, 1e4), 0).iterations, 19);
+}
+
 TEST_F(GpuDiffusionIterations, AnyContrast) {
   for (const double contrast : {1e2, 1e6})
     for (const Medium& medium : {media(contrast)[2], media(contrast)[5]}) {
