@@ -8,6 +8,7 @@ int main(int argc, char** argv) {
   CLI::App app("Benchmarks of Alabaster: medians of several runs.", "alabaster-bench");
   app.require_subcommand(1);
   alabaster::add_stages(app);
+  alabaster::add_components(app);
   alabaster::add_accuracy(app);
   alabaster::add_smoother(app);
   alabaster::add_solver(app);
