@@ -1,8 +1,6 @@
 // alabaster-bench: how long things take. Medians of several runs; quote ratios measured in one run.
-#include <cstdio>
-#include <exception>
-
 #include "bench.h"
+#include "run_app.h"
 
 int main(int argc, char** argv) {
   CLI::App app("Benchmarks of Alabaster: medians of several runs.", "alabaster-bench");
@@ -13,13 +11,5 @@ int main(int argc, char** argv) {
   alabaster::add_smoother(app);
   alabaster::add_solver(app);
   alabaster::add_peers(app);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& e) {
-    return app.exit(e) == 0 ? 0 : 2;
-  } catch (const std::exception& e) {
-    std::fprintf(stderr, "alabaster-bench: %s\n", e.what());
-    return 1;
-  }
-  return 0;
+  return alabaster::run_app(app, argc, argv);
 }
