@@ -124,7 +124,7 @@ class Table {
 
   void write() const {
     if (!a_.json.empty()) write_whole_file(a_.json, json_.dump(2) + "\n");
-    if (!a_.gallery.empty()) write_gallery(gallery_, 2, 88, a_.gallery);
+    if (!a_.gallery.empty()) write_gallery(gallery_, 2, a_.gallery);
   }
 
  private:
@@ -222,7 +222,7 @@ void add_accuracy(CLI::App& app) {
   command->add_option("render_options", judge.render_options, "more for alabaster render, after --");
   command->add_option("--json", a->json, "all figures (JSON)");
   command->add_option("--sheets", a->sheets, "folder for renders (EXR) and comparison sheets (PNG)");
-  command->add_option("--gallery", a->gallery, "all renders beside their references on one picture (JPEG)");
+  command->add_option("--gallery", a->gallery, "all renders beside their references on one picture (PNG or JPEG)");
   command->callback([a] { run_accuracy(*a); });
 }
 

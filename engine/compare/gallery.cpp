@@ -10,6 +10,7 @@ namespace {
 
 using Planes = std::array<std::vector<float>, 3>;
 
+constexpr int jpeg_quality = 88;
 constexpr int gap = 6;  // px between rows and between columns
 
 Planes planes_of(const Shown& shown, int width, int height, const std::string& path) {
@@ -32,7 +33,7 @@ double exposure_by(const Shown& reference, const Planes& planes) {
 
 }  // namespace
 
-void write_gallery(const std::vector<GalleryRow>& rows, int columns, int quality, const std::string& path) {
+void write_gallery(const std::vector<GalleryRow>& rows, int columns, const std::string& path) {
   if (rows.empty() || rows.front().empty() || columns < 1)
     throw UserError(path + ": there is no picture to show; name a scene");
   const int width = rows.front().front().picture.width, height = rows.front().front().picture.height;
@@ -55,7 +56,10 @@ void write_gallery(const std::vector<GalleryRow>& rows, int columns, int quality
       x += width;
     }
   }
-  write_jpeg_rgb8(canvas.width, canvas.height, canvas.rgb, quality, path);
+  if (path.ends_with(".png"))
+    write_png_rgb8(canvas.width, canvas.height, canvas.rgb, path);
+  else
+    write_jpeg_rgb8(canvas.width, canvas.height, canvas.rgb, jpeg_quality, path);
 }
 
 }  // namespace alabaster

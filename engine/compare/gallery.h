@@ -17,8 +17,9 @@ struct Shown {
 /// object is shown as 0.9.
 using GalleryRow = std::vector<Shown>;
 
-/// `rows` in `columns` columns as an 8-bit JPEG of `quality` (1 to 100), a caption under each picture; whole or not at
-/// all. Throws UserError where the pictures are not all of one size or lack a channel.
-void write_gallery(const std::vector<GalleryRow>& rows, int columns, int quality, const std::string& path);
+/// `rows` in `columns` columns, a caption under each picture; 8-bit PNG where `path` ends so, else JPEG, a sixth as
+/// large where the references are noisy; whole or not at all. Throws UserError where the pictures are not all of one
+/// size or lack a channel.
+void write_gallery(const std::vector<GalleryRow>& rows, int columns, const std::string& path);
 
 }  // namespace alabaster

@@ -27,7 +27,7 @@ std::pair<int, int> jpeg_size(const std::string& bytes) {
 TEST(Gallery, RowsStandInColumns) {
   const test::TempFolder folder;
   const Shown shown{"a", constant(40, 30, 1)};
-  write_gallery({{shown, shown}, {shown, shown}, {shown, shown}}, 2, 90, folder / "g.jpg");
+  write_gallery({{shown, shown}, {shown, shown}, {shown, shown}}, 2, folder / "g.jpg");
   const auto [width, height] = jpeg_size(read_file(folder / "g.jpg"));
   EXPECT_EQ(width, 4 * 40 + 6);  // two pairs and a gap
   EXPECT_EQ(height, 2 * (30 + 14) + 6);
@@ -35,9 +35,8 @@ TEST(Gallery, RowsStandInColumns) {
 
 TEST(Gallery, RefusesUnlikeSizes) {
   const test::TempFolder folder;
-  EXPECT_THROW(write_gallery({{{"a", constant(4, 3, 1)}, {"b", constant(3, 3, 1)}}}, 1, 90, folder / "g.jpg"),
-               UserError);
-  EXPECT_THROW(write_gallery({}, 1, 90, folder / "g.jpg"), UserError);
+  EXPECT_THROW(write_gallery({{{"a", constant(4, 3, 1)}, {"b", constant(3, 3, 1)}}}, 1, folder / "g.jpg"), UserError);
+  EXPECT_THROW(write_gallery({}, 1, folder / "g.jpg"), UserError);
   EXPECT_FALSE(std::filesystem::exists(folder / "g.jpg"));
 }
 
