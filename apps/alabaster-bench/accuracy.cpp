@@ -1,27 +1,23 @@
-// Renders against path-traced references: what model and grid together are worth. A column for each transport, grid and
-// layer that is asked for; nothing is tuned.
+// Renders against path-traced references: what model and grid together are worth. Nothing is tuned. With one layer a
+// scene fills a column for each transport and grid; with several, a row for each of these and a column a layer.
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
 #include <memory>
-#include <nlohmann/json.hpp>
 
 #include "bench.h"
-#include "image/picture.h"
+#include "compare/compare.h"
+#include "compare/gallery.h"
 #include "image/whole_file.h"
-#include "process.h"
+#include "judge.h"
 
 namespace alabaster {
 namespace {
 
-namespace fs = std::filesystem;
-
 struct Arguments {
-  std::string meshes = "build/meshes", references, json, size = "160x120";
+  JudgeOptions judge;
+  std::string json, sheets, gallery;
   std::vector<std::string> shapes{"bunny", "armadillo", "dragon"}, sizes{"20", "50", "200"},
-      albedos{"0.9", "0.99", "0.999"}, etas{"1.0", "1.3", "1.5"}, scenes, transports{"report"}, grids{"64"},
-      layers{"subsurface"}, render_options;
-  int spp = 256;
+      albedos{"0.9", "0.99", "0.999"}, etas{"1.0", "1.3", "1.5"}, scenes;
 };
 
 struct Row {
@@ -36,14 +32,15 @@ struct Plan {
   std::vector<Row> rows;
 };
 
+Plan plan_of_scenes(const std::vector<std::string>& scenes) {
+  Plan plan{"| scene |", {""}, {}};
+  for (const std::string& scene : scenes) plan.rows.push_back({"| " + scene + " |", {scene}});
+  return plan;
+}
+
 Plan plan_of(const Arguments& a) {
+  if (!a.scenes.empty()) return plan_of_scenes(a.scenes);
   Plan plan;
-  if (!a.scenes.empty()) {
-    plan.head = "| scene |";
-    plan.columns = {""};
-    for (const std::string& scene : a.scenes) plan.rows.push_back({"| " + scene + " |", {scene}});
-    return plan;
-  }
   plan.head = "| object | mean free paths | albedo |";
   for (const std::string& eta : a.etas) plan.columns.push_back("eta " + eta);
   for (const std::string& shape : a.shapes)
@@ -56,98 +53,139 @@ Plan plan_of(const Arguments& a) {
   return plan;
 }
 
-/// A picture that says it has enough samples and whose run left nothing to go on from is taken as it is.
-bool finished(const std::string& reference, int spp) {
-  if (!fs::exists(reference) || fs::exists(reference + ".state")) return false;
-  const Picture picture = read_exr(reference);
-  const auto samples = picture.attributes.find("samplesPerPixel");
-  const auto* number = samples == picture.attributes.end() ? nullptr : std::get_if<double>(&samples->second);
-  return number && *number >= spp;
+struct Cell {
+  std::string text = " - |";
+  double noise = 0;  // of the reference, relative; 0 where it is not known
+};
+
+Cell cell_of(const std::optional<nlohmann::json>& figures) {
+  Cell cell;
+  if (!figures) return cell;
+  const nlohmann::json& z = figures->at("z_test");
+  const double rmse =
+      z.is_object() ? z.at("noise_corrected_rmse").get<double>() : figures->at("relative_rmse").get<double>();
+  if (z.is_object()) cell.noise = z.at("noise").get<double>();
+  char text[64];
+  std::snprintf(text, sizeof text, " %.1f%s / %+.1f |", 100 * rmse, z.is_object() ? "" : "*",
+                100 * figures->at("bias").get<double>());
+  cell.text = text;
+  return cell;
 }
 
-nlohmann::json figures_of(const std::string& file_name) {
-  std::ifstream file(file_name);
-  return nlohmann::json::parse(file);
+void print_head(const std::string& head) {
+  std::string rule;
+  for (char c : head)
+    if (c == '|') rule += rule.empty() ? "|" : " --- |";
+  std::printf("%s\n%s\n", head.c_str(), rule.c_str());
 }
 
-class Judge {
+/// What tells apart the renders of one scene: transport and grid, where there are several of these.
+std::string split_of(const JudgeOptions& o, const std::string& transport, const std::string& grid,
+                     const std::string& between) {
+  return (o.transports.size() > 1 ? transport + between : "") + (o.grids.size() > 1 ? grid + between : "");
+}
+
+class Table {
  public:
-  explicit Judge(const Arguments& a) : a_(a), folder_(a.references.empty() ? scratch_ / "" : a.references + "/") {
-    fs::create_directories(folder_);
+  explicit Table(const Arguments& a) : a_(a), judge_(a.judge) {}
+
+  /// One layer: the renders of a scene side by side.
+  void by_renders(const Plan& plan) {
+    std::string head = plan.head;
+    for (const std::string& column : plan.columns)
+      for (const std::string& transport : a_.judge.transports)
+        for (const std::string& grid : a_.judge.grids) {
+          const std::string split = split_of(a_.judge, transport, grid + "^3", " ");
+          head += " " + split + (split.empty() && column.empty() ? "figures" : column) + " |";
+        }
+    print_head(head + " noise |");
+    for (const Row& row : plan.rows) {
+      std::printf("%s", row.label.c_str());
+      double noise = 0;
+      for (const std::string& scene : row.scenes)
+        for (const Verdict& verdict : judged(scene)) noise = std::max(noise, print_cells(verdict));
+      std::printf(" %.1f |\n", 100 * noise);
+    }
   }
 
-  /// One set of figures for each transport, grid and layer, in this order.
-  std::vector<nlohmann::json> operator()(const std::string& name) {
-    const std::string scene = folder_ + name + ".glb", reference = folder_ + name + ".exr",
-                      test = scratch_ / "test.exr", figures = scratch_ / "figures.json";
-    run_sibling("alabaster-scenes", {folder_, "--meshes", a_.meshes, "--names", name});
-    if (!finished(reference, a_.spp))
-      run_sibling("alabaster", {"reference", scene, "-o", reference, "--size", a_.size, "--spp", std::to_string(a_.spp),
-                                "--resume"});
-    std::vector<nlohmann::json> all;
-    for (const std::string& transport : a_.transports)
-      for (const std::string& grid : a_.grids) {
-        std::vector<std::string> words{"render", scene,    "-o", test,          "--size",
-                                       a_.size,  "--grid", grid, "--transport", transport};
-        words.insert(words.end(), a_.render_options.begin(), a_.render_options.end());
-        run_sibling("alabaster", words);
-        for (const std::string& layer : a_.layers) {
-          run_sibling("alabaster", {"compare", test, reference, "--layer", layer, "--json", figures});
-          nlohmann::json json = figures_of(figures);
-          json["scene"] = name, json["transport"] = transport, json["grid"] = grid, json["layer"] = layer;
-          all.push_back(std::move(json));
+  /// Several layers side by side: a row for each render.
+  void by_layers(const Plan& plan) {
+    std::string head = "| scene |" + split_of(a_.judge, " transport", " grid", " |");
+    for (const std::string& layer : a_.judge.layers) head += " " + layer + " |";
+    print_head(head + " noise |");
+    for (const Row& row : plan.rows)
+      for (const std::string& scene : row.scenes)
+        for (const Verdict& verdict : judged(scene)) {
+          std::printf("| %s |%s", scene.c_str(),
+                      split_of(a_.judge, " " + verdict.transport, " " + verdict.grid + "^3", " |").c_str());
+          std::printf(" %.1f |\n", 100 * print_cells(verdict));
         }
-      }
-    return all;
+  }
+
+  void write() const {
+    if (!a_.json.empty()) write_whole_file(a_.json, json_.dump(2) + "\n");
+    if (!a_.gallery.empty()) write_gallery(gallery_, 2, a_.gallery);
   }
 
  private:
-  const Arguments& a_;
-  const Scratch scratch_;
-  const std::string folder_;
-};
+  std::vector<Verdict> judged(const std::string& scene) {
+    std::vector<Verdict> verdicts = judge_(scene);
+    if (!a_.sheets.empty() || !a_.gallery.empty()) keep_pictures(scene, verdicts);
+    for (const Verdict& verdict : verdicts)
+      for (const auto& figures : verdict.figures)
+        if (figures) json_.push_back(*figures);
+    return verdicts;
+  }
 
-/// Heads of the columns that one scene fills: what is the same in all of them is left out.
-std::vector<std::string> split_heads(const Arguments& a) {
-  std::vector<std::string> heads;
-  for (const std::string& transport : a.transports)
-    for (const std::string& grid : a.grids)
-      for (const std::string& layer : a.layers)
-        heads.push_back((a.transports.size() > 1 ? transport + " " : "") + (a.grids.size() > 1 ? grid + "^3 " : "") +
-                        (a.layers.size() > 1 ? layer + " " : ""));
-  return heads;
-}
+  /// Returns the noise, the largest that is known.
+  double print_cells(const Verdict& verdict) const {
+    double noise = 0;
+    for (const auto& figures : verdict.figures) {
+      const Cell cell = cell_of(figures);
+      std::printf("%s", cell.text.c_str());
+      noise = std::max(noise, cell.noise);
+    }
+    std::fflush(stdout);
+    return noise;
+  }
+
+  void keep_pictures(const std::string& scene, const std::vector<Verdict>& verdicts) {
+    const Picture reference = read_exr(judge_.reference_of(scene));
+    GalleryRow row;
+    for (const Verdict& v : verdicts) {
+      const std::string name = scene + "-" + v.transport + "-" + v.grid;
+      row.push_back({scene + ", " + v.transport, v.test});
+      if (a_.sheets.empty()) continue;
+      write_exr(v.test, a_.sheets + "/" + name + ".exr", true);
+      for (std::size_t i = 0; i < v.figures.size(); ++i)
+        if (v.figures[i])
+          write_sheet(compare(v.test, reference,
+                              {.layer = a_.judge.layers[i], .test_name = name, .reference_name = "reference"}),
+                      a_.sheets + "/" + name + "-" + a_.judge.layers[i] + ".png");
+    }
+    row.push_back({"path traced", reference});
+    gallery_.push_back(std::move(row));
+  }
+
+  const Arguments& a_;
+  Judge judge_;
+  nlohmann::json json_ = nlohmann::json::array();
+  std::vector<GalleryRow> gallery_;
+};
 
 void run_accuracy(const Arguments& a) {
   const Plan plan = plan_of(a);
-  Judge judge(a);
-  nlohmann::json rows = nlohmann::json::array();
-  std::fprintf(stderr, "relative RMSE (the reference's noise taken out where it is known) / bias, percent, %s pixels\n",
-               a.size.c_str());
-  std::string head = plan.head, rule;
-  for (const std::string& column : plan.columns)
-    for (const std::string& split : split_heads(a))
-      head += " " + split + (split.empty() && column.empty() ? "figures" : column) + " |";
-  for (char c : head)
-    if (c == '|') rule += rule.empty() ? "|" : " --- |";
-  std::printf("%s noise |\n%s --- |\n", head.c_str(), rule.c_str());
-  for (const Row& row : plan.rows) {
-    std::printf("%s", row.label.c_str());
-    double noise = 0;
-    for (const std::string& scene : row.scenes)
-      for (nlohmann::json& figures : judge(scene)) {
-        double rmse = figures.at("relative_rmse").get<double>();
-        if (figures.contains("z_test") && figures["z_test"].is_object()) {
-          rmse = figures["z_test"].at("noise_corrected_rmse").get<double>();
-          noise = std::max(noise, figures["z_test"].at("noise").get<double>());
-        }
-        std::printf(" %.1f / %+.1f |", 100 * rmse, 100 * figures.at("bias").get<double>());
-        std::fflush(stdout);
-        rows.push_back(std::move(figures));
-      }
-    std::printf(" %.1f |\n", 100 * noise);
-  }
-  if (!a.json.empty()) write_whole_file(a.json, rows.dump(2) + "\n");
+  if (!a.sheets.empty()) std::filesystem::create_directories(a.sheets);
+  std::fprintf(stderr,
+               "relative RMSE (the reference's noise taken out; *: not known and left in) / bias, percent, each of its "
+               "layer's mean; %s pixels; -: the pictures do not have the layer apart\n",
+               a.judge.size.c_str());
+  Table table(a);
+  if (a.judge.layers.size() > 1)
+    table.by_layers(plan);
+  else
+    table.by_renders(plan);
+  table.write();
 }
 
 }  // namespace
@@ -156,9 +194,10 @@ void add_accuracy(CLI::App& app) {
   auto* command =
       app.add_subcommand("accuracy", "renders against path-traced references: a table of relative RMSE and bias");
   auto a = std::make_shared<Arguments>();
-  command->add_option("--meshes", a->meshes, "folder of the scanned meshes (third_party/fetch-meshes)")
+  JudgeOptions& judge = a->judge;
+  command->add_option("--meshes", judge.meshes, "folder of the scanned meshes (third_party/fetch-meshes)")
       ->capture_default_str();
-  command->add_option("--references", a->references,
+  command->add_option("--references", judge.references,
                       "folder that keeps scenes and references; an unfinished one goes on (default: none is kept)");
   command->add_option("--scenes", a->scenes, "scenes of alabaster-scenes, in place of the product of the next four")
       ->delimiter(',');
@@ -166,20 +205,24 @@ void add_accuracy(CLI::App& app) {
   command->add_option("--mfp", a->sizes, "sizes in mean free paths")->delimiter(',');
   command->add_option("--albedos", a->albedos, "reduced albedos")->delimiter(',');
   command->add_option("--etas", a->etas, "relative indices")->delimiter(',');
-  command->add_option("--size", a->size, "WIDTHxHEIGHT, pixels")->capture_default_str();
-  command->add_option("--spp", a->spp, "samples a pixel of the reference")->capture_default_str();
-  command->add_option("--transport", a->transports, "of the render, a column each")
+  command->add_option("--size", judge.size, "WIDTHxHEIGHT, pixels")->capture_default_str();
+  command->add_option("--spp", judge.spp, "samples a pixel of the reference")->capture_default_str();
+  command->add_option("--transport", judge.transports, "of the render, one or several")
       ->delimiter(',')
       ->capture_default_str();
-  command->add_option("--grid", a->grids, "cells along the longest side, a column each")
+  command->add_option("--grid", judge.grids, "cells along the longest side, one or several")
       ->delimiter(',')
       ->capture_default_str();
   command
-      ->add_option("--layers", a->layers, "what is compared, a column each: sum, subsurface, multiple, single, surface")
+      ->add_option("--layers", judge.layers,
+                   "what is compared: sum, subsurface, multiple, single, surface; with multiple or single the render "
+                   "draws single scattering by itself")
       ->delimiter(',')
       ->capture_default_str();
-  command->add_option("render_options", a->render_options, "more for alabaster render, after --");
+  command->add_option("render_options", judge.render_options, "more for alabaster render, after --");
   command->add_option("--json", a->json, "all figures (JSON)");
+  command->add_option("--sheets", a->sheets, "folder for renders (EXR) and comparison sheets (PNG)");
+  command->add_option("--gallery", a->gallery, "all renders beside their references on one picture (PNG or JPEG)");
   command->callback([a] { run_accuracy(*a); });
 }
 

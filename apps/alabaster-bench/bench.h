@@ -14,6 +14,7 @@ inline double median(std::vector<double> values) {
 }
 
 void add_stages(CLI::App& app);
+void add_components(CLI::App& app);
 void add_accuracy(CLI::App& app);
 void add_solver(CLI::App& app);
 void add_smoother(CLI::App& app);

@@ -1,14 +1,14 @@
 // alabaster-scenes: makes the scenes of the demo and of the studies.
-#include <CLI/CLI.hpp>
 #include <filesystem>
 #include <iostream>
 
+#include "run_app.h"
 #include "scene/demo_scenes.h"
 #include "scene/error.h"
 #include "scene/write_gltf.h"
 
-int main(int count, char** arguments) {
-  CLI::App app{"Makes the demo and study scenes as .glb, with their .vol grids beside them."};
+int main(int argc, char** argv) {
+  CLI::App app("Makes the demo and study scenes as .glb, with their .vol grids beside them.", "alabaster-scenes");
   std::string folder, meshes = "build/meshes";
   std::vector<std::string> names = alabaster::demo_scene_names();
   std::string known;
@@ -19,12 +19,7 @@ int main(int count, char** arguments) {
   app.footer("Scenes:" + known +
              "\n  MESH-Nmfp-ALBEDO-ETA, for example bunny-50mfp-0.99-1.3"
              "\n  MESH-MATERIAL-Nmfp-ETA, for example dragon-marble-50mfp-1.3; homogeneous, marble or checker");
-  try {
-    app.parse(count, arguments);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 2;
-  }
-  try {
+  app.callback([&] {
     std::error_code error;
     std::filesystem::create_directories(folder, error);
     if (error) throw alabaster::UserError(folder + ": the folder cannot be made; give one that can be written");
@@ -33,8 +28,6 @@ int main(int count, char** arguments) {
       for (const std::string& warning : scene.warnings) std::cerr << name << ": " << warning << "\n";
       alabaster::write_gltf(scene, (std::filesystem::path(folder) / (name + ".glb")).string());
     }
-  } catch (const alabaster::UserError& error) {
-    std::cerr << error.what() << "\n";
-    return 1;
-  }
+  });
+  return alabaster::run_app(app, argc, argv);
 }

@@ -7,6 +7,8 @@
 #include <bit>
 #include <mutex>
 
+#include "diffusion/face_kappa.h"
+#include "diffusion/medium_layer.h"
 #include "shared/optics.h"
 
 namespace alabaster {
@@ -30,59 +32,7 @@ int samples_an_axis(double feature, double h) {
 
 namespace {
 
-constexpr double least_distance = 0.05;  // of an unknown from a face or the surface, in h: as in cut.glsl
-
 constexpr double least_thickness = 1.6, least_layer = 3;  // h: below both, plate and diffusion length, the grid shows
-
-/// m^3 points of the unit cube, one in each of m^3 boxes; seen along any axis, no two at the same place. So a layer
-/// across an axis gets its share to 1 / m^3, and none hides between the points unless it is thinner than 1 / m.
-class Pattern {
- public:
-  explicit Pattern(int m) : m_(m) {
-    for (int k = 0; k < m; ++k)
-      for (int j = 0; j < m; ++j)
-        for (int i = 0; i < m; ++i) points_.push_back({along(i, j, k), along(j, k, i), along(k, i, j)});
-    for (int axis = 0; axis < 3; ++axis) {
-      for (int s = 0; s < count(); ++s) sorted_[axis].push_back(s);
-      std::sort(sorted_[axis].begin(), sorted_[axis].end(),
-                [&](int a, int b) { return points_[a][axis] < points_[b][axis]; });
-    }
-  }
-  int m() const { return m_; }
-  int count() const { return static_cast<int>(points_.size()); }
-  glm::dvec3 operator[](int sample) const { return points_[sample]; }
-  /// Number of sample `s` along `axis` in column (u, v).
-  int in_column(int axis, int s, int u, int v) const {
-    glm::ivec3 at;
-    at[axis] = s, at[(axis + 1) % 3] = u, at[(axis + 2) % 3] = v;
-    return at.x + m_ * (at.y + m_ * at.z);
-  }
-  /// All samples in order along `axis`; those that follow one another lie apart across it.
-  const std::vector<int>& sorted(int axis) const { return sorted_[axis]; }
-  double along(int i, int j, int k) const {
-    return (i + (7 * (m_ * j + k) % (m_ * m_) + 0.5) / (m_ * m_)) / m_;  // 7 is prime to 4, 9 and 16
-  }
-
- private:
-  int m_;
-  std::vector<glm::dvec3> points_;
-  std::vector<int> sorted_[3];
-};
-
-/// How the samples of a cell vary: their variance, and half the mean square of the steps between samples in order along
-/// each axis. Far below the variance for sheets across the axis, about the variance for sheets along it.
-struct Texture {
-  glm::dvec3 variance{0}, steps[3] = {glm::dvec3(0), glm::dvec3(0), glm::dvec3(0)};
-};
-
-/// 1/kappa in each of the samples of a layer of cells, and which of them lie in the solid.
-struct Layer {
-  std::vector<glm::vec3> resistivity;  // 1/m, Pattern::count() a cell
-  std::vector<std::uint64_t> solid;    // a bit a sample; 0 for cells outside
-  std::vector<Texture> texture;
-};
-constexpr int most_samples = most_samples_an_axis * most_samples_an_axis * most_samples_an_axis;
-static_assert(most_samples <= 64);
 
 /// kappa of columns in parallel.
 struct Parallel {
@@ -225,32 +175,8 @@ class Averaging {
       sigma_a += m.sigma_a;
       resistivities += resistivity(m);
     }
-    layer.texture[in_layer] = texture_of(values, solid, count);
+    layer.texture[in_layer] = texture_of(pattern_, values, solid);
     return {sigma_a / double(count), resistivities / double(count)};
-  }
-
-  /// Of a bounded function of the resistivity: what is ten times the mean may not hide all else.
-  Texture texture_of(const glm::vec3* resistivities, std::uint64_t solid, int count) const {
-    glm::dvec3 mean(0), bounded[most_samples], sum(0), squares(0);
-    for (int s = 0; s < pattern_.count(); ++s)
-      if (solid >> s & 1) mean += glm::dvec3(resistivities[s]) / double(count);
-    for (int s = 0; s < pattern_.count(); ++s) {
-      if (!(solid >> s & 1)) continue;
-      bounded[s] = glm::dvec3(resistivities[s]) / (glm::dvec3(resistivities[s]) + mean);
-      sum += bounded[s];
-      squares += bounded[s] * bounded[s];
-    }
-    Texture texture;
-    texture.variance = glm::max(squares - sum * sum / double(count), 0.0);
-    for (int axis = 0; axis < 3; ++axis) {
-      int last = -1;
-      for (int s : pattern_.sorted(axis)) {
-        if (!(solid >> s & 1)) continue;
-        if (last >= 0) texture.steps[axis] += 0.5 * (bounded[s] - bounded[last]) * (bounded[s] - bounded[last]);
-        last = s;
-      }
-    }
-    return texture;
   }
 
   /// Of the layer between the surface and the unknown: kappa in series down to it and in parallel along the surface;
@@ -309,69 +235,10 @@ class Averaging {
     return reduced;
   }
 
-  struct Half {  // a cell on one side of a face
-    const glm::vec3* resistivity;
-    std::uint64_t solid;
-    const Texture* texture;
-    double lengths[most_samples_an_axis];  // h: of the way from the unknown to the face in each row of samples
-  };
-
-  /// The way leads from the unknown to the cell's low (up = 0) or high face.
-  Half half(const Layer& layer, glm::ivec3 cell, int axis, int up) const {
+  FaceSide side(const Layer& layer, glm::ivec3 cell, int axis) const {
     const std::size_t in_layer = cell.x + std::size_t(n_.x) * cell.y;
-    const double centre = cut_cells_[cut_index_[at(cell)]].centre[axis];
-    const double distance = std::max(up ? 1 - centre : centre, least_distance);
-    const double reach = std::min(distance, 1.0), low = up ? 1 - reach : 0, high = up ? 1 : reach;
-    Half half{&layer.resistivity[in_layer * pattern_.count()], layer.solid[in_layer], &layer.texture[in_layer], {}};
-    for (int s = 0; s < pattern_.m(); ++s) {
-      const double overlap = std::min(high, (s + 1.0) / pattern_.m()) - std::max(low, double(s) / pattern_.m());
-      half.lengths[s] = std::max(0.0, overlap) * distance / reach;
-    }
-    return half;
-  }
-
-  /// Between two bounds. The lower, by Thomson's principle: flux that keeps to its columns, in the shares that the
-  /// whole of both cells suggests; so a sheet across the columns, which may begin on this side of the unknown in one
-  /// and beyond it in another, is not passed by changing columns half way. The upper, by Dirichlet's: phi falls evenly,
-  /// which is right for sheets along the flux. Where sheets across it part the two widely the lower is right.
-  glm::dvec3 face_kappa(const Half (&halves)[2], int axis) const {
-    const int m = pattern_.m();
-    glm::dvec3 flux(0), spent(0), even(0);
-    double lengths = 0;
-    for (int column = 0; column < m * m; ++column) {
-      double length = 0;
-      int count = 0;
-      glm::dvec3 resistance(0), whole(0);
-      for (const Half& half : halves)
-        for (int s = 0; s < m; ++s) {
-          const int sample = pattern_.in_column(axis, s, column % m, column / m);
-          if (!(half.solid >> sample & 1)) continue;
-          const glm::dvec3 here(half.resistivity[sample]);
-          whole += here;
-          ++count;
-          length += half.lengths[s];
-          resistance += half.lengths[s] * here;
-          even += half.lengths[s] / here;
-        }
-      if (length <= 0) continue;
-      const glm::dvec3 share = length * double(count) / whole;
-      flux += share;
-      spent += share * share * resistance / (length * length);
-      lengths += length;
-    }
-    if (lengths > 0) {
-      const glm::dvec3 lower = flux * flux / (spent * lengths), upper = even / lengths;
-      if (m == 1) return lower;
-      const Texture &one = *halves[0].texture, &two = *halves[1].texture;
-      const glm::dvec3 variance = glm::max(one.variance + two.variance, glm::dvec3(1e-12));
-      return glm::mix(lower, upper, glm::smoothstep(0.2, 0.5, (one.steps[axis] + two.steps[axis]) / variance));
-    }
-    glm::dvec3 sum(0);  // no sample on the way: all of both cells in series
-    int count = 0;
-    for (const Half& half : halves)
-      for (int s = 0; s < pattern_.count(); ++s)
-        if (half.solid >> s & 1) sum += glm::dvec3(half.resistivity[s]), ++count;
-    return double(count) / sum;
+    return {&layer.resistivity[in_layer * pattern_.count()], layer.solid[in_layer], &layer.texture[in_layer],
+            double(cut_cells_[cut_index_[at(cell)]].centre[axis])};
   }
 
   void join_faces(int z, const Layer& own, const Layer& below) {
@@ -385,8 +252,7 @@ class Averaging {
           if (lower[axis] < 0) continue;
           const Layer& other = axis == 2 ? below : own;
           if (other.solid[lower.x + std::size_t(n_.x) * lower.y] == 0) continue;
-          const Half halves[2] = {half(other, lower, axis, 1), half(own, cell, axis, 0)};
-          const glm::dvec3 kappa = face_kappa(halves, axis);
+          const glm::dvec3 kappa = face_kappa(pattern_, side(other, lower, axis), side(own, cell, axis), axis);
           for (int c = 0; c < out_.channels; ++c) out_.kappa[packed(cell, axis, c)] = static_cast<float>(kappa[c]);
         }
       }

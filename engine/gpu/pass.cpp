@@ -218,15 +218,19 @@ VkPipeline make_pipeline(const PassLayout& layout, const Constants& constants) {
   info.stage.pName = "main";
   info.stage.pSpecializationInfo = &specialisation.info;
   info.layout = layout.layout;
-  Context& context = layout.context;
   VkPipeline pipeline = VK_NULL_HANDLE;
-  check(vkCreateComputePipelines(context.device(), context.pipeline_cache(), 1, &info, nullptr, &pipeline),
-        layout.name + ": vkCreateComputePipelines");
-  context.name(VK_OBJECT_TYPE_PIPELINE, reinterpret_cast<std::uint64_t>(pipeline), layout.name);
-  return pipeline;
+  const VkResult result =
+      vkCreateComputePipelines(layout.context.device(), layout.context.pipeline_cache(), 1, &info, nullptr, &pipeline);
+  return named(layout, pipeline, result, "vkCreateComputePipelines");
 }
 
 }  // namespace
+
+VkPipeline named(const PassLayout& layout, VkPipeline pipeline, VkResult result, const char* call) {
+  check(result, layout.name + ": " + call);
+  layout.context.name(VK_OBJECT_TYPE_PIPELINE, reinterpret_cast<std::uint64_t>(pipeline), layout.name);
+  return pipeline;
+}
 
 Pipeline::~Pipeline() noexcept {
   try {

@@ -66,6 +66,9 @@ class PassLayout {
   VkShaderStageFlags stages_ = 0;
 };
 
+/// `pipeline`, named after `layout`. Throws where `result`, which Vulkan's `call` gave with it, is an error.
+VkPipeline named(const PassLayout& layout, VkPipeline pipeline, VkResult result, const char* call);
+
 /// A pipeline that a thread of its own makes: a driver takes milliseconds for each, and nothing needs it before its
 /// first dispatch.
 class Pipeline {

@@ -75,12 +75,10 @@ VkPipeline make_pipeline(const PassLayout& layout, const RasterOptions& options)
   info.pColorBlendState = &blend;
   info.pDynamicState = &dynamic;
   info.layout = layout.layout;
-  Context& context = layout.context;
   VkPipeline pipeline = VK_NULL_HANDLE;
-  check(vkCreateGraphicsPipelines(context.device(), context.pipeline_cache(), 1, &info, nullptr, &pipeline),
-        layout.name + ": vkCreateGraphicsPipelines");
-  context.name(VK_OBJECT_TYPE_PIPELINE, reinterpret_cast<std::uint64_t>(pipeline), layout.name);
-  return pipeline;
+  const VkResult result =
+      vkCreateGraphicsPipelines(layout.context.device(), layout.context.pipeline_cache(), 1, &info, nullptr, &pipeline);
+  return named(layout, pipeline, result, "vkCreateGraphicsPipelines");
 }
 
 }  // namespace

@@ -34,4 +34,8 @@ void write_png(const Picture& picture, const std::string& path, double exposure 
 /// 8-bit RGB, row-major from the top, to PNG (for sheets and plots).
 void write_png_rgb8(int width, int height, const std::vector<unsigned char>& rgb, const std::string& path);
 
+/// The same to JPEG, `quality` 1 to 100.
+void write_jpeg_rgb8(int width, int height, const std::vector<unsigned char>& rgb, int quality,
+                     const std::string& path);
+
 }  // namespace alabaster

@@ -46,6 +46,16 @@ void write_png_rgb8(int width, int height, const std::vector<unsigned char>& rgb
   write_whole_file(path, bytes);
 }
 
+void write_jpeg_rgb8(int width, int height, const std::vector<unsigned char>& rgb, int quality,
+                     const std::string& path) {
+  if (rgb.size() != 3 * static_cast<std::size_t>(width) * static_cast<std::size_t>(height))
+    throw std::logic_error("write_jpeg_rgb8: not 3 * width * height bytes");
+  std::string bytes;
+  if (!stbi_write_jpg_to_func(append, &bytes, width, height, 3, rgb.data(), quality))
+    throw UserError(path + ": the picture could not be encoded as JPEG; try a smaller size");
+  write_whole_file(path, bytes);
+}
+
 void write_png(const Picture& picture, const std::string& path, double exposure, Curve curve) {
   const char* names[3] = {"R", "G", "B"};
   const std::vector<float>* planes[3];

@@ -1,17 +1,12 @@
 #include "scene/load.h"
 
-#include <tiny_gltf.h>
-
 #include <cmath>
-#include <cstring>
 #include <filesystem>
 #include <glm/gtc/quaternion.hpp>
 #include <set>
 
 #include "scene/depth.h"
-#include "scene/error.h"
-#include "scene/fields.h"
-#include "scene/files.h"
+#include "scene/document.h"
 #include "scene/material.h"
 #include "scene/mesh_check.h"
 #include "scene/primitive.h"
@@ -23,90 +18,6 @@ namespace alabaster {
 namespace {
 
 using nlohmann::json;
-
-const std::set<std::string> extensions_read = {
-    "KHR_materials_ior",      "KHR_materials_volume",       "KHR_materials_volume_scatter",
-    "KHR_materials_scatter",  "KHR_materials_transmission", "KHR_materials_emissive_strength",
-    "KHR_materials_specular", "KHR_lights_punctual",        "KHR_materials_diffuse_transmission"};
-
-/// A glTF file twice over: tinygltf's model for meshes and buffers, and its JSON for what tinygltf does not know.
-struct Document {
-  std::string path;
-  tinygltf::Model model;
-  json root;
-
-  Fields fields(const std::string& list, int index, const std::string& name) const {
-    json object = root.contains(list) ? root[list].at(index) : json::object();
-    return Fields(object, path, name + " ");
-  }
-};
-
-std::string one_line(std::string text) {
-  for (char& c : text)
-    if (c == '\n' || c == '\r') c = ' ';
-  while (!text.empty() && text.back() == ' ') text.pop_back();
-  return text;
-}
-
-/// The readers of JSON call themselves once a level: refuse what would use up the stack.
-void check_nesting(const std::string& bytes, const std::string& path) {
-  int depth = 0;
-  bool quoted = false;
-  for (std::size_t i = 0; i < bytes.size(); ++i) {
-    char c = bytes[i];
-    if (quoted && c == '\\')
-      ++i;
-    else if (c == '"')
-      quoted = !quoted;
-    else if (!quoted && (c == '[' || c == '{') && ++depth > 256)
-      throw UserError(path + ": its JSON is nested more than 256 levels deep; export the file again");
-    else if (!quoted && (c == ']' || c == '}'))
-      --depth;
-  }
-}
-
-/// The JSON of a file: all of a .gltf, the first chunk of a .glb.
-std::string json_text(const std::string& bytes, bool binary) {
-  if (!binary) return bytes;
-  std::uint32_t length = 0;
-  if (bytes.size() >= 20) std::memcpy(&length, bytes.data() + 12, sizeof length);
-  return bytes.substr(std::min<std::size_t>(bytes.size(), 20), length);
-}
-
-Document open_document(const std::string& path) {
-  std::string bytes = read_file(path);
-  if (bytes.empty()) throw UserError(path + ": the file is empty; give a glTF 2.0 scene (.gltf or .glb)");
-  if (bytes.size() > 0xffffffffu)
-    throw UserError(path + ": the file is larger than 4 GiB; keep its buffers in files beside it");
-  bool binary = bytes.starts_with("glTF");
-  std::string text = json_text(bytes, binary);
-  check_nesting(text, path);
-  std::string folder = std::filesystem::path(path).parent_path().string();
-  tinygltf::TinyGLTF reader;
-  // Textures are not used: accept every image undecoded.
-  reader.SetImageLoader([](tinygltf::Image*, const int, std::string*, std::string*, int, int, const unsigned char*, int,
-                           void*) { return true; },
-                        nullptr);
-  Document document{path, {}, {}};
-  std::string error, warning;
-  unsigned size = unsigned(bytes.size());
-  bool good = false;
-  try {
-    good = binary ? reader.LoadBinaryFromMemory(&document.model, &error, &warning,
-                                                reinterpret_cast<const unsigned char*>(bytes.data()), size, folder)
-                  : reader.LoadASCIIFromString(&document.model, &error, &warning, bytes.data(), size, folder);
-    if (good) document.root = json::parse(text);
-  } catch (const std::exception& exception) {  // from the JSON library, on values of the wrong kind
-    good = false, error = exception.what();
-  }
-  if (!good)
-    throw UserError(path + ": not a readable glTF 2.0 file: " + one_line(error) +
-                    "; it may be truncated, or files beside it are missing: export it again");
-  for (const std::string& name : document.model.extensionsRequired)
-    if (!extensions_read.contains(name))
-      throw UserError(path + ": extensionsRequired names " + name + ", which is not read; export without it");
-  return document;
-}
 
 bool finite(const glm::dmat4& m) {
   for (int column = 0; column < 4; ++column)
@@ -336,8 +247,7 @@ class Builder {
     if (environment.has("radiance")) environment.fail("radiance", "cannot stand beside \"exr\"; keep one of them");
     const double scale = environment.number_or("scale", 1), degrees = environment.number_or("rotation", 0);
     if (!(scale > 0)) environment.fail("scale", "must be positive");
-    const std::string path =
-        (std::filesystem::path(document_.path).parent_path() / environment.text("exr")).string();
+    const std::string path = (std::filesystem::path(document_.path).parent_path() / environment.text("exr")).string();
     try {
       scene_.environment.picture = read_environment_picture(path, scale, std::remainder(degrees, 360.0) / 360);
     } catch (const UserError& error) {
@@ -345,8 +255,9 @@ class Builder {
     }
     const glm::ivec2 size = scene_.environment.picture->size();
     if (size.x != 2 * size.y)
-      scene_.warnings.push_back("environment: the picture is not twice as wide as it is high; it is taken as a whole "
-                                "sphere in latitude and longitude all the same");
+      scene_.warnings.push_back(
+          "environment: the picture is not twice as wide as it is high; it is taken as a whole "
+          "sphere in latitude and longitude all the same");
   }
 
   /// scene.extras.size: how tall the translucent objects are, in metres, whatever the file's unit. All is scaled about
@@ -405,7 +316,7 @@ Scene load_scene(const std::string& path) {
   try {
     return Builder(document).build();
   } catch (const json::exception& error) {  // a list that is no list, where tinygltf looked away
-    throw UserError(path + ": not a readable glTF 2.0 file: " + one_line(error.what()) + "; export it again");
+    throw unreadable(path, error.what());
   }
 }
 

@@ -159,16 +159,25 @@ TEST_F(Furnace, ObjectsLightEachOther) {
   }
 }
 
-// With absorption and a lamp: what enters is absorbed or leaves for good, and few passes say what they leave out.
-TEST_F(Furnace, EnergyBalancesWithLightThatEntersAgain) {
-  Scene scene = test::furnace_scene(torus(1, 0.4f, 96, 48), 1.3);
+Scene absorbing_torus(int segments, glm::vec3 sky) {
+  Scene scene = test::furnace_scene(torus(1, 0.4f, segments, segments / 2), 1.3);
   scene.objects[0].medium.homogeneous.sigma_a = {0.1, 0.5, 2};
-  scene.environment.radiance = {0, 0, 0};
+  scene.environment.radiance = sky;
+  return scene;
+}
+
+Object lamp() {
   Object lamp;
   lamp.role = Role::emissive;
   lamp.mesh = transformed(quad(1, 1), translation({0.3, 4, 0.2}) * rotation({1, 0, 0}, 180));
   lamp.radiance = {5, 5, 5};
-  scene.objects.push_back(lamp);
+  return lamp;
+}
+
+// With absorption and a lamp: what enters is absorbed or leaves for good, and few passes say what they leave out.
+TEST_F(Furnace, EnergyBalancesWithLightThatEntersAgain) {
+  Scene scene = absorbing_torus(96, {0, 0, 0});
+  scene.objects.push_back(lamp());
   Request request;
   request.grid = 32;
   request.size = {32, 24};
@@ -228,9 +237,7 @@ INSTANTIATE_TEST_SUITE_P(All, FurnaceOfTransport,
 
 // As above for all light at once: a lamp, a sky, a neighbour and a grey floor.
 TEST_P(FurnaceOfTransport, EnergyBalancesWithLightThatEntersAgain) {
-  Scene scene = test::furnace_scene(torus(1, 0.4f, 64, 32), 1.3);
-  scene.objects[0].medium.homogeneous.sigma_a = {0.1, 0.5, 2};
-  scene.environment.radiance = {0.2f, 0.1f, 0.3f};
+  Scene scene = absorbing_torus(64, {0.2f, 0.1f, 0.3f});
   Object ball = scene.objects[0];
   ball.mesh = transformed(icosphere(3, 0.4f), translation({0.2, 0.8, 0.1}));
   ball.eta = 1.1;
@@ -241,11 +248,7 @@ TEST_P(FurnaceOfTransport, EnergyBalancesWithLightThatEntersAgain) {
   floor.mesh = transformed(quad(6, 6), translation({0, -0.8, 0}));
   floor.albedo = {0.5f, 0.4f, 0.3f};
   scene.objects.push_back(floor);
-  Object lamp;
-  lamp.role = Role::emissive;
-  lamp.mesh = transformed(quad(1, 1), translation({0.3, 4, 0.2}) * rotation({1, 0, 0}, 180));
-  lamp.radiance = {5, 5, 5};
-  scene.objects.push_back(lamp);
+  scene.objects.push_back(lamp());
   Request request;
   request.transport = GetParam();
   request.grid = 16;
