@@ -12,6 +12,16 @@ Shape shape_named(const std::string& name, const std::string& folder) {
   return {name, of_unit_size(read_off(folder + "/" + file + ".off"))};
 }
 
+void BodyStudy::add_to(CLI::App& command) {
+  command.add_option("--meshes", meshes, "folder of the scanned meshes")->capture_default_str();
+  command.add_option("--shapes", shapes, "ball, bunny, armadillo, ...")->delimiter(',')->capture_default_str();
+  command.add_option("--grids", grids, "cells along the longest side")->delimiter(',')->capture_default_str();
+  command.add_option("--contrasts", contrasts, "ratios of kappa")->delimiter(',')->capture_default_str();
+  command.add_option("--runs", runs, "counted runs")->check(CLI::Range(1, 1000))->capture_default_str();
+  command.add_option("--device", device, "part of the Vulkan device's name");
+  command.add_option("--json", json, "results (JSON)");
+}
+
 double time_of(const std::function<void()>& work) {
   const auto start = std::chrono::steady_clock::now();
   work();

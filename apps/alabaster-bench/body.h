@@ -20,6 +20,17 @@ struct Shape {
 /// "ball", or the name of a mesh in `folder` ("bunny", "armadillo", "elephant", "hand"): 1 m long.
 Shape shape_named(const std::string& name, const std::string& folder);
 
+/// What the studies of the solver are told.
+struct BodyStudy {
+  std::string meshes = "build/meshes", json, device;
+  std::vector<std::string> shapes{"ball"};
+  std::vector<int> grids{64, 128};
+  std::vector<double> contrasts{1, 1e2, 1e4};
+  int runs = 3;
+
+  void add_to(CLI::App& command);
+};
+
 /// Milliseconds that `work` takes.
 double time_of(const std::function<void()>& work);
 /// The median of `runs` times; `before` each is not timed.

@@ -17,12 +17,8 @@ namespace {
 
 using Json = nlohmann::json;
 
-struct Arguments {
-  std::string meshes = "build/meshes", json, device, python = "python3";
-  std::vector<std::string> shapes{"ball"};
-  std::vector<int> grids{64, 128};
-  std::vector<double> contrasts{1, 1e2, 1e4};
-  int runs = 3;
+struct Arguments : BodyStudy {
+  std::string python = "python3";
 };
 
 LinearSystem system_of(gpu::Context& context, BenchBody& body) {
@@ -143,14 +139,8 @@ void run_peers(const Arguments& a) {
 void add_peers(CLI::App& app) {
   auto* command = app.add_subcommand("peers", "the same linear systems by us, hypre and pyamg");
   auto a = std::make_shared<Arguments>();
-  command->add_option("--meshes", a->meshes, "folder of the scanned meshes")->capture_default_str();
-  command->add_option("--shapes", a->shapes, "ball, bunny, armadillo, ...")->delimiter(',')->capture_default_str();
-  command->add_option("--grids", a->grids, "cells along the longest side")->delimiter(',')->capture_default_str();
-  command->add_option("--contrasts", a->contrasts, "ratios of kappa")->delimiter(',')->capture_default_str();
-  command->add_option("--runs", a->runs, "counted runs")->check(CLI::Range(1, 1000))->capture_default_str();
+  a->add_to(*command);
   command->add_option("--python", a->python, "a Python that has pyamg")->capture_default_str();
-  command->add_option("--device", a->device, "part of the Vulkan device's name");
-  command->add_option("--json", a->json, "results (JSON)");
   command->callback([a] { run_peers(*a); });
 }
 

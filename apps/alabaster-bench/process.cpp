@@ -31,8 +31,7 @@ ProcessCost run_sibling(const std::string& program, const std::vector<std::strin
   pid_t child = 0;
   const int refused = posix_spawn(&child, path.c_str(), &quiet, nullptr, argv.data(), environ);
   posix_spawn_file_actions_destroy(&quiet);
-  if (refused != 0)
-    throw UserError(path + " cannot be started; build it first");
+  if (refused != 0) throw UserError(path + " cannot be started; build it first");
   int status = 0;
   rusage usage{};
   wait4(child, &status, 0, &usage);

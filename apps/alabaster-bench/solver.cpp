@@ -9,16 +9,29 @@
 namespace alabaster {
 namespace {
 
-struct Arguments {
-  std::string meshes = "build/meshes", json, device;
-  std::vector<std::string> shapes{"ball", "bunny", "armadillo"};
-  std::vector<int> grids{64, 128};
-  std::vector<double> contrasts{1, 1e2, 1e4, 1e6};
-  int runs = 3;
+struct Arguments : BodyStudy {
+  Arguments() {
+    shapes = {"ball", "bunny", "armadillo"};
+    contrasts = {1, 1e2, 1e4, 1e6};
+  }
   bool largest = false;
 };
 
 using Json = nlohmann::json;
+
+struct Timed {
+  double set_up, solve;  // ms
+  SolverStatus status;
+};
+
+Timed timed(BenchBody& body, int runs) {
+  Timed t;
+  t.set_up = median_time(
+      runs, [] {}, [&] { body.diffusion().multigrid().set_up(); });
+  t.solve = median_time(
+      runs, [&] { body.forget(); }, [&] { t.status = body.solve(); });
+  return t;
+}
 
 // One linear system each, without deferred corrections.
 Json contrasts(gpu::Context& context, const Arguments& a) {
@@ -36,12 +49,8 @@ Json contrasts(gpu::Context& context, const Arguments& a) {
         for (const int grid : a.grids) {
           BenchBody body(context, shape.mesh, grid, veins ? vein_medium(0.4, contrast) : checker_medium(0.11, contrast),
                          1, options);
-          Multigrid& multigrid = body.diffusion().multigrid();
-          const double set_up = median_time(
-              a.runs, [] {}, [&] { multigrid.set_up(); });
-          SolverStatus status;
-          const double solve = median_time(
-              a.runs, [&] { body.forget(); }, [&] { status = body.solve(); });
+          const Multigrid& multigrid = body.diffusion().multigrid();
+          const auto [set_up, solve, status] = timed(body, a.runs);
           const char* medium = veins ? "veins" : "checker";
           std::printf("| %s | %s | %.0e | %d | %d | %d%s | %.1e | %.0f | %.0f |\n", name.c_str(), medium, contrast,
                       grid, multigrid.deflation().count(), status.iterations,
@@ -130,12 +139,7 @@ Json growth(gpu::Context& context, const Arguments& a) {
   list.push_back({{"torus", torus(0.35f, 0.15f, 96, 48)}, 128});
   for (const auto& [shape, grid] : list) {
     BenchBody body(context, shape.mesh, grid, smooth_medium(1e2), 1);
-    Multigrid& multigrid = body.diffusion().multigrid();
-    const double set_up = median_time(
-        a.runs, [] {}, [&] { multigrid.set_up(); });
-    SolverStatus status;
-    const double solve = median_time(
-        a.runs, [&] { body.forget(); }, [&] { status = body.solve(); });
+    const auto [set_up, solve, status] = timed(body, a.runs);
     const double cells = body.inside_cells();
     std::printf("| %s | %d | %d | %d | %.0f | %.0f |\n", shape.name.c_str(), grid, body.inside_cells(),
                 status.iterations, 1e6 * set_up / cells, 1e6 * solve / cells);
@@ -166,14 +170,8 @@ void run_solver(const Arguments& a) {
 void add_solver(CLI::App& app) {
   auto* command = app.add_subcommand("solver", "iterations and times of the diffusion solver");
   auto a = std::make_shared<Arguments>();
-  command->add_option("--meshes", a->meshes, "folder of the scanned meshes")->capture_default_str();
-  command->add_option("--shapes", a->shapes, "ball, bunny, armadillo, ...")->delimiter(',')->capture_default_str();
-  command->add_option("--grids", a->grids, "cells along the longest side")->delimiter(',')->capture_default_str();
-  command->add_option("--contrasts", a->contrasts, "ratios of kappa")->delimiter(',')->capture_default_str();
-  command->add_option("--runs", a->runs, "counted runs")->check(CLI::Range(1, 1000))->capture_default_str();
+  a->add_to(*command);
   command->add_flag("--largest", a->largest, "time per cell up to 192^3");
-  command->add_option("--device", a->device, "part of the Vulkan device's name");
-  command->add_option("--json", a->json, "results (JSON)");
   command->callback([a] { run_solver(*a); });
 }
 

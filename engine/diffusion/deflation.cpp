@@ -17,22 +17,30 @@ Deflation::Deflation(gpu::Context& context, const gpu::Image& stencil, glm::ivec
     tbb::parallel_for(0, channels, [&](int c) { found[c] = find_islands(cells, std::span(all + c * each, each)); });
   }
   std::vector<std::uint32_t> labels, entries;
-  std::vector<IslandSpan> spans;
+  std::vector<IslandPiece> pieces;
+  std::vector<IslandPieces> islands;
   for (int c = 0; c < channels; ++c) {
     noise_ = std::max(noise_, found[c].noise);
     rough_ = rough_ || found[c].rough;
-    const auto before = static_cast<std::uint32_t>(entries.size()), first = static_cast<std::uint32_t>(spans.size());
+    const auto before = static_cast<std::uint32_t>(entries.size()), first = static_cast<std::uint32_t>(islands.size());
     for (std::uint32_t label : found[c].labels) labels.push_back(label > 0 ? first + label : 0);
-    for (IslandSpan span : found[c].spans)
-      spans.push_back({span.cells + before, span.faces + before, span.end + before, c, span.weight});
+    for (const IslandSpan& span : found[c].spans) {
+      islands.push_back({static_cast<std::uint32_t>(pieces.size()), 0, span.weight});
+      for (std::uint32_t begin = span.cells; begin < span.end; begin += DIFFUSION_ISLAND_PIECE)
+        pieces.push_back({before + begin, before + std::min(begin + DIFFUSION_ISLAND_PIECE, span.end), c});
+      islands.back().end = static_cast<std::uint32_t>(pieces.size());
+    }
     entries.insert(entries.end(), found[c].entries.begin(), found[c].entries.end());
   }
-  count_ = static_cast<int>(spans.size());
+  count_ = static_cast<int>(islands.size());
+  pieces_ = static_cast<std::uint32_t>(pieces.size());
   if (count_ == 0) labels.assign(4, 0);
   labels_ = gpu::make_buffer(context, labels, "diffusion island labels");
   lifts_ = gpu::make_buffer(context, std::vector<float>(count_ + 1), "diffusion island lifts");
   if (count_ == 0) return;
-  spans_ = gpu::make_buffer(context, spans, "diffusion islands");
+  piece_list_ = gpu::make_buffer(context, pieces, "diffusion island pieces");
+  pieces_of_ = gpu::make_buffer(context, islands, "diffusion islands");
+  sums_ = gpu::Buffer(context, pieces.size() * sizeof(float), "diffusion island sums");
   entries_ = gpu::make_buffer(context, entries, "diffusion island entries");
 }
 

@@ -11,10 +11,13 @@ class Deflation {
   /// Finds the islands of the finest stencil.
   Deflation(gpu::Context& context, const gpu::Image& stencil, glm::ivec3 cells, int channels);
 
-  int count() const { return count_; }     // of all channels
-  double noise() const { return noise_; }  // of the worst channel's medium: Islands::noise
-  bool rough() const { return rough_; }    // any channel's medium: Islands::rough
-  const gpu::Buffer& spans() const { return spans_; }
+  int count() const { return count_; }              // of all channels
+  double noise() const { return noise_; }           // of the worst channel's medium: Islands::noise
+  bool rough() const { return rough_; }             // any channel's medium: Islands::rough
+  std::uint32_t pieces() const { return pieces_; }  // of all islands
+  const gpu::Buffer& piece_list() const { return piece_list_; }
+  const gpu::Buffer& pieces_of() const { return pieces_of_; }  // IslandPieces of every island
+  const gpu::Buffer& sums() const { return sums_; }            // of every piece
   const gpu::Buffer& entries() const { return entries_; }
   const gpu::Buffer& labels() const { return labels_; }  // of every cell and channel; with no islands one uvec4
   const gpu::Buffer& lifts() const { return lifts_; }    // islands.comp
@@ -23,7 +26,8 @@ class Deflation {
   int count_ = 0;
   double noise_ = 0;
   bool rough_ = false;
-  gpu::Buffer spans_, entries_, labels_, lifts_;
+  std::uint32_t pieces_ = 0;
+  gpu::Buffer piece_list_, pieces_of_, sums_, entries_, labels_, lifts_;
 };
 
 }  // namespace alabaster

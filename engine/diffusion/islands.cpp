@@ -152,7 +152,7 @@ Islands find_islands(glm::ivec3 n, std::span<const float> stencil) {
     const auto middle = static_cast<std::uint32_t>(islands.entries.size());
     islands.entries.insert(islands.entries.end(), faces.begin(), faces.end());
     islands.spans.push_back(
-        {start, middle, static_cast<std::uint32_t>(islands.entries.size()), 0, static_cast<float>(1 / c.energy())});
+        {start, middle, static_cast<std::uint32_t>(islands.entries.size()), static_cast<float>(1 / c.energy())});
     for (int i : c.cells) islands.labels[i] = static_cast<std::uint32_t>(islands.spans.size());
   }
   return islands;

@@ -15,6 +15,12 @@
 
 namespace alabaster {
 
+/// An island's place in the list of entries: its cells, then its faces.
+struct IslandSpan {
+  std::uint32_t cells, faces, end;
+  float weight;  // 1 / E of the island
+};
+
 /// The islands of one channel's finest stencil.
 struct Islands {
   std::vector<std::uint32_t> labels;   // of every cell, x fastest: 0, or 1 + its island's number

@@ -30,6 +30,7 @@ DiffusionPasses::DiffusionPasses(gpu::Context& c)
       direction{{c, "diffusion/direction.comp", {1, 0}}, {c, "diffusion/direction.comp", {1, 1}}},
       reduce{c, "diffusion/reduce.comp"},
       islands{{c, "diffusion/islands.comp", {0}}, {c, "diffusion/islands.comp", {1}}},
+      lifts{c, "diffusion/lifts.comp"},
       lift{c, "diffusion/lift.comp", {1}} {}
 
 std::vector<float> chebyshev_omegas(int steps, double lowest) {

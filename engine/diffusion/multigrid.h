@@ -18,7 +18,7 @@ struct DiffusionPasses {
   gpu::Pass diagonals[2], weights[2], deficits[2], galerkin[2];  // [finest]
   gpu::Pass smooth[2], smooth_dot, residual[2], restrict_residual, prolong[2], direct, renew, combine;
   gpu::Pass apply_dot, norm, update, start, direction[2], reduce;  // direction[deflated]
-  gpu::Pass islands[2], lift;                                      // islands[start]
+  gpu::Pass islands[2], lifts, lift;                               // islands[start]
 };
 
 /// Factors of x += omega D^-1 (b - A x) that make `steps` such steps the Chebyshev iteration of [lowest, 1].

@@ -61,15 +61,17 @@ void Pcg::record_residual(gpu::Commands& commands) {
 // c = E^-1 Z^T (r - A z), or E^-1 Z^T r
 void Pcg::record_islands(gpu::Commands& commands, bool start, const gpu::Image& z) {
   const Deflation& deflation = multigrid_.deflation();
-  const auto islands = static_cast<std::uint32_t>(deflation.count());
-  commands.dispatch(passes_.islands[start], {8 * std::min(islands, 65535u), 1, 1},
-                    {{"spans", deflation.spans()},
+  commands.dispatch(passes_.islands[start], {8 * std::min(deflation.pieces(), 65535u), 1, 1},
+                    {{"pieces", deflation.piece_list()},
                      {"entries", deflation.entries()},
-                     {"lifts", deflation.lifts()},
+                     {"sums", deflation.sums()},
                      {"r", multigrid_.finest().b},
                      {"z", z},
                      {"stencil", multigrid_.finest().stencil}},
-                    IslandPush{multigrid_.finest().cells, islands});
+                    IslandPush{multigrid_.finest().cells, deflation.pieces()});
+  commands.dispatch(passes_.lifts, {deflation.count(), 1, 1},
+                    {{"islands", deflation.pieces_of()}, {"sums", deflation.sums()}, {"lifts", deflation.lifts()}},
+                    LiftPush{static_cast<std::uint32_t>(deflation.count())});
 }
 
 void Pcg::record_start() {

@@ -68,6 +68,8 @@ Vector Operator::inverse_l1() const {
 // A fine point with odd coordinates along m axes interpolates, by its own equation, from its neighbours with fewer odd
 // coordinates in the span of those axes; along the other axes the stencil is collapsed (summed), as if the solution
 // were constant there. The reaction stays in the collapsed diagonal, so weights fall below 1 where light is absorbed.
+// Couplings of the wrong sign, and row sums below zero, which coarse operators of sharp media have, count as none: with
+// them the collapsed diagonal may all but vanish. So weights are from 0 to 1.
 // A point without such neighbours (a sheet or needle at odd index) stands for its own block: weight 1.
 Interpolation::Interpolation(const Operator& a) : fine(a.grid), coarse(a.grid.coarser()) {
   for (Vector& w : p) w.assign(coarse.size(), 0.0);
@@ -78,21 +80,19 @@ Interpolation::Interpolation(const Operator& a) : fine(a.grid), coarse(a.grid.co
         if (odd_axes(d) != odd || !fine.inside(f)) continue;
         std::ptrdiff_t i = fine.at(f);
         if (a.a[diagonal][i] <= 0) continue;
-        double centre = 0, lower = 0, here = 0;
+        double row_sum = 0, lower = 0, here = 0;
         for (int m = 0; m < 27; ++m) {
           glm::ivec3 e = offset(m), within = e * glm::abs(d);
-          double c = a.coupling(i, e);
-          if (within == glm::ivec3(0)) {
-            centre += c;
-            continue;
-          }
+          const double c = a.coupling(i, e);
+          row_sum += c;
+          if (within == glm::ivec3(0) || c >= 0) continue;
           lower -= c;
           glm::ivec3 from = d + within;  // as seen from coarse I
           if (glm::all(glm::lessThanEqual(glm::abs(from), glm::ivec3(1)))) here -= c * p[entry(from)][at_coarse];
         }
         bool own_block = glm::all(glm::greaterThanEqual(d, glm::ivec3(0)));
-        bool orphan = lower <= 1e-7 * a.a[diagonal][i] || centre <= 0;
-        p[k][at_coarse] = orphan ? (own_block ? 1.0 : 0.0) : here / centre;
+        bool orphan = lower <= 1e-7 * a.a[diagonal][i];
+        p[k][at_coarse] = orphan ? (own_block ? 1.0 : 0.0) : here / (std::max(row_sum, 0.0) + lower);
       }
     });
   }

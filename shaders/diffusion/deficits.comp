@@ -14,19 +14,19 @@ layout(binding = 5, rgba32f) uniform writeonly image3D after;
 void main() {
   ivec3 t = texel_here();
   ivec2 odd = ivec2(t.y, t.z - channel_here() * push.cells.z) & 1;
-  vec4 row_sum = coefficient(own_entry, t), lower = vec4(0), here = row_sum;
+  vec4 row_sum = max(coefficient(own_entry, t), 0), lower = vec4(0), here = row_sum;
   for (int n = 0; n < 27; ++n) {
     if (!coupled(n)) continue;
     ivec3 e = offset(n), s = t + ivec3(0, e.yz * odd);
     vec4 own = imageLoad(before, s), from = own;
     if (e.x < 0) from = own.xxzz;  // lanes at odd x only
     if (e.x > 0) from = vec4(own.x, own.z, own.z, imageLoad(before, s + step_x).x);
-    vec4 c = s != t ? conductance(n, t) : abs(e.x) * vec4(0, 1, 0, 1) * conductance(n, t);
+    vec4 c = (s != t ? vec4(1) : abs(e.x) * vec4(0, 1, 0, 1)) * max(conductance(n, t), 0);
     lower += c;
     here += c * from;
   }
   vec4 centre = row_sum + lower, own = imageLoad(diagonal, t);
-  bvec4 stands_alone = lessThanEqual(min(lower - DIFFUSION_CONNECTED * own, centre), vec4(0));
+  bvec4 stands_alone = lessThanEqual(lower, DIFFUSION_CONNECTED * own);
   vec4 v = mix(here / centre, vec4(0), stands_alone);
   imageStore(after, t, mix(v, vec4(1), lessThanEqual(own, vec4(0))));
 }

@@ -1,8 +1,10 @@
 // Operator-dependent interpolation (Dendy 1982, black-box multigrid; three dimensions). A fine point with odd coordinates
 // along some axes interpolates, by its own equation, from its neighbours with fewer odd coordinates within the span of
 // those axes; along the other axes the stencil is collapsed, as if the solution were constant there: its centre is then
-// the row's sum and the couplings to those neighbours, which cancels nothing. Points on no such neighbour (sheets and
-// needles at odd index) stand for their own block: weight 1. deficits.comp follows the same rules.
+// the row's sum and the couplings to those neighbours, which cancels nothing. Couplings of the wrong sign, and row sums
+// below zero, which coarse operators of sharp media have, count as none: with them the centre may all but vanish, and
+// single precision with it. So weights are from 0 to 1. Points on no such neighbour (sheets and needles at odd index)
+// stand for their own block: weight 1. deficits.comp follows the same rules.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "diffusion/setup.glsl"
@@ -17,12 +19,13 @@ struct Row {
   float lower, here;
 };
 
-// Adds the coupling c to the point reached by e, as a part of the equation of point d.
+// Adds the conductance c to the point reached by e, as a part of the equation of point d.
 void add(inout Row row, float c, ivec3 d, ivec3 e) {
+  c = max(c, 0);
   ivec3 within = e * abs(d), from = d + within;
   bool stays = within == ivec3(0), known = !stays && all(lessThanEqual(abs(from), ivec3(1)));
-  row.lower -= stays ? 0 : c;
-  row.here -= known ? c * w[entry(known ? from : ivec3(0)) * group_cells + gl_LocalInvocationIndex] : 0;
+  row.lower += stays ? 0 : c;
+  row.here += known ? c * w[entry(known ? from : ivec3(0)) * group_cells + gl_LocalInvocationIndex] : 0;
 }
 
 float weight_of(ivec3 I, int channel, int k) {
@@ -33,14 +36,14 @@ float weight_of(ivec3 I, int channel, int k) {
     for (int n = 0; n < 6; ++n) {
       ivec3 e = ivec3(0);
       e[n >> 1] = 2 * (n & 1) - 1;
-      float c = e * d == ivec3(0) ? 0 : coupling(i, e);
+      float c = e * d == ivec3(0) ? 0 : -coupling(i, e);
       add(row, c, d, e);
     }
   } else {
-    for (int n = 0; n < 27; ++n) add(row, coupling(i, offset(n)), d, offset(n));
+    for (int n = 0; n < 27; ++n) add(row, -coupling(i, offset(n)), d, offset(n));
   }
-  float centre = fine_entry(own_entry, i) + row.lower;
-  bool orphan = row.lower <= DIFFUSION_CONNECTED * own || centre <= 0;
+  float centre = max(fine_entry(own_entry, i), 0) + row.lower;
+  bool orphan = row.lower <= DIFFUSION_CONNECTED * own;
   bool own_block = all(greaterThanEqual(d, ivec3(0)));
   return own <= 0 ? 0 : orphan ? (own_block ? 1 : 0) : row.here / centre;
 }

@@ -28,6 +28,7 @@
 // are its face towards -x, +x, -y, +y, -z, +z, beyond which the island ends.
 #define DIFFUSION_ISLAND_CELLS 512
 #define DIFFUSION_ISLAND_CELL 6
+#define DIFFUSION_ISLAND_PIECE 4096
 
 // Dot products: each subgroup of a tile leaves one partial sum; tiles have room for this many (subgroups of 8 or more).
 #define DIFFUSION_PARTIALS 16
@@ -58,6 +59,10 @@ struct ReducePush {
 
 struct IslandPush {
   ivec3 cells;
+  uint pieces;  // of the islands of all channels
+};
+
+struct LiftPush {
   uint islands;  // of all channels
 };
 
@@ -74,10 +79,15 @@ struct CgScalars {
   int done;            // 1: converged, 2: broken down (p . A p <= 0 or not finite)
 };
 
-// An island's place in the list of entries: its cells, then its faces.
-struct IslandSpan {
-  uint cells, faces, end;
+// A part of an island, from entry `begin` to before `end`.
+struct IslandPiece {
+  uint begin, end;
   int channel;
+};
+
+// An island is the pieces from `begin` to before `end`.
+struct IslandPieces {
+  uint begin, end;
   float weight;  // 1 / E of the island
 };
 

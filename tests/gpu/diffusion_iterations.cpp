@@ -1,4 +1,5 @@
 // How many iterations the solver takes on the device, deferred corrections included, to a true residual of 1e-6.
+#include <algorithm>
 #include <filesystem>
 
 #include "alabaster-bench/problems.h"
@@ -47,9 +48,22 @@ TEST_F(GpuDiffusionIterations, SharpMediaInBall) {
   }
 }
 
-// Where two visits of the first coarse level made the preconditioner indefinite.
+// Where interpolation weights of both signs, up to 700, were more than single precision could hold: 19 iterations, and
+// two visits of the first coarse level did not converge at all.
 TEST_F(GpuDiffusionIterations, WideVeinsInAFineBall) {
-  EXPECT_LE(solve(icosphere(5, 0.5f), 64, vein_medium(0.4, 1e4), 0).iterations, 19);
+  EXPECT_LE(solve(icosphere(5, 0.5f), 64, vein_medium(0.4, 1e4), 0).iterations, 12);
+}
+
+// What coarse operators of sharp media have of couplings of the wrong sign may not get into the interpolation.
+TEST_F(GpuDiffusionIterations, WeightsAreFromZeroToOne) {
+  Body body(context, icosphere(5, 0.5f), 64, vein_medium(0.4, 1e4));
+  for (const MultigridLevel& level : body.diffusion().multigrid().levels()) {
+    if (!level.weights) continue;  // the coarsest has none
+    const std::vector<float> weights = gpu::download<float>(context, level.weights);
+    const auto [least, most] = std::minmax_element(weights.begin(), weights.end());
+    EXPECT_GE(*least, 0);
+    EXPECT_LE(*most, 1 + 1e-5) << "level of " << level.cells.x << " cells";
+  }
 }
 
 TEST_F(GpuDiffusionIterations, AnyContrast) {

@@ -230,7 +230,7 @@ TEST_F(GpuDiffusionVectors, StepsOfTheConjugateGradientsEqualTwin) {
   }
 }
 
-// islands, lift and direction of a checker's blocks, against Z E^-1 Z^T (r - A z) by the twin's matrix.
+// islands, lifts, lift and direction of a checker's blocks, against Z E^-1 Z^T (r - A z) by the twin's matrix.
 TEST_F(GpuDiffusionVectors, IslandsAreLiftedAsTheTwinsMatrixSays) {
   const Deflation& deflation = multigrid.deflation();
   const MultigridLevel& level = multigrid.finest();
@@ -243,15 +243,17 @@ TEST_F(GpuDiffusionVectors, IslandsAreLiftedAsTheTwinsMatrixSays) {
   for (const bool start : {false, true}) {
     const gpu::Image lifted = image(0, z);
     gpu::Commands commands(context);
-    const auto count = static_cast<std::uint32_t>(deflation.count());
-    commands.dispatch(passes.islands[start], {64 * std::min(count, 7u), 1, 1},  // fewer groups than islands
-                      {{"spans", deflation.spans()},
+    commands.dispatch(passes.islands[start], {64 * std::min(deflation.pieces(), 7u), 1, 1},  // fewer groups than pieces
+                      {{"pieces", deflation.piece_list()},
                        {"entries", deflation.entries()},
-                       {"lifts", deflation.lifts()},
+                       {"sums", deflation.sums()},
                        {"r", on_r},
                        {"z", on_z},
                        {"stencil", level.stencil}},
-                      IslandPush{level.cells, count});
+                      IslandPush{level.cells, deflation.pieces()});
+    commands.dispatch(passes.lifts, {deflation.count(), 1, 1},
+                      {{"islands", deflation.pieces_of()}, {"sums", deflation.sums()}, {"lifts", deflation.lifts()}},
+                      LiftPush{static_cast<std::uint32_t>(deflation.count())});
     commands.submit();
     const std::vector<gpu::Binding> lifts{{"labels", deflation.labels()}, {"lifts", deflation.lifts()}};
     if (start) {

@@ -1,0 +1,100 @@
+// Islands of more cells than one invocation may turn loops for: lavapipe ends a loop after 65535 turns and says
+// nothing.
+#include <random>
+
+#include "diffusion/islands.h"
+#include "support/device.h"
+#include "support/diffusion_problems.h"
+
+namespace alabaster {
+namespace {
+
+class GpuDiffusionIslands : public GpuTest {};
+
+constexpr glm::ivec3 cells{128, 96, 100};
+
+/// A box whose middle layers conduct, poorly joined to those above and below. One empty cell of margin all around.
+struct Layers {
+  std::vector<float> stencil = std::vector<float>(std::size_t(DIFFUSION_FINEST_ENTRIES) * cells.x * cells.y * cells.z);
+
+  static std::size_t at(int entry, glm::ivec3 c) {
+    return c.x + std::size_t(cells.x) * (entry + DIFFUSION_FINEST_ENTRIES * (c.y + std::size_t(cells.y) * c.z));
+  }
+  static bool within(glm::ivec3 c) {
+    return glm::all(glm::greaterThan(c, glm::ivec3(0))) && glm::all(glm::lessThan(c, cells - 1));
+  }
+  static bool middle(glm::ivec3 c) { return c.z >= 26 && c.z < 74; }
+
+  template <class Visit>
+  static void for_cells(Visit visit) {
+    for (int z = 1; z + 1 < cells.z; ++z)
+      for (int y = 1; y + 1 < cells.y; ++y)
+        for (int x = 1; x + 1 < cells.x; ++x) visit(glm::ivec3(x, y, z));
+  }
+
+  Layers() {
+    for_cells([&](glm::ivec3 c) {
+      for (int axis = 0; axis < 3; ++axis) {
+        glm::ivec3 below = c;
+        --below[axis];
+        if (within(below)) stencil[at(axis, c)] = middle(c) && middle(below) ? 1.f : 1e-4f;
+      }
+      stencil[at(DIFFUSION_REACTION, c)] = 1e-6f;
+    });
+  }
+};
+
+TEST_F(GpuDiffusionIslands, OfMoreThanALoopMayCount) {
+  const Layers layers;
+  const Islands islands = find_islands(cells, layers.stencil);
+  ASSERT_FALSE(islands.spans.empty());
+  ASSERT_GT(islands.spans.front().end - islands.spans.front().cells, 65535u * 8) << "the case that this tests";
+  const gpu::Image stencil = packed_image(context, cells, 1, DIFFUSION_FINEST_ENTRIES, "stencil"),
+                   r = packed_image(context, cells, 1, 1, "r"), z = packed_image(context, cells, 1, 1, "z");
+  std::mt19937 engine(5);
+  std::uniform_real_distribution<float> uniform(0, 1);  // all of one sign: a part left out shows
+  std::vector<float> on_r(std::size_t(cells.x) * cells.y * cells.z), on_z = on_r;
+  const auto cell = [](glm::ivec3 c) { return c.x + std::size_t(cells.x) * (c.y + std::size_t(cells.y) * c.z); };
+  Layers::for_cells([&](glm::ivec3 c) { on_r[cell(c)] = uniform(engine), on_z[cell(c)] = uniform(engine); });
+  gpu::upload(context, stencil, layers.stencil);
+  gpu::upload(context, r, on_r);
+  gpu::upload(context, z, on_z);
+
+  std::vector<double> expected(islands.spans.size() + 1);
+  Layers::for_cells([&](glm::ivec3 c) {
+    const std::uint32_t label = islands.labels[cell(c)];
+    if (label == 0) return;
+    double sum = on_r[cell(c)] - double(layers.stencil[Layers::at(DIFFUSION_REACTION, c)]) * on_z[cell(c)];
+    for (int axis = 0; axis < 3; ++axis)
+      for (int up = 0; up < 2; ++up) {
+        glm::ivec3 beyond = c;
+        beyond[axis] += 2 * up - 1;
+        if (!Layers::within(beyond)) continue;
+        sum -= double(layers.stencil[Layers::at(axis, up ? beyond : c)]) * (double(on_z[cell(c)]) - on_z[cell(beyond)]);
+      }
+    expected[label] += sum * islands.spans[label - 1].weight;
+  });
+
+  const DiffusionPasses passes(context);
+  const Deflation deflation(context, stencil, cells, 1);
+  gpu::Commands commands(context);
+  commands.dispatch(passes.islands[0], {8 * deflation.pieces(), 1, 1},
+                    {{"pieces", deflation.piece_list()},
+                     {"entries", deflation.entries()},
+                     {"sums", deflation.sums()},
+                     {"r", r},
+                     {"z", z},
+                     {"stencil", stencil}},
+                    IslandPush{cells, deflation.pieces()});
+  commands.dispatch(passes.lifts, {deflation.count(), 1, 1},
+                    {{"islands", deflation.pieces_of()}, {"sums", deflation.sums()}, {"lifts", deflation.lifts()}},
+                    LiftPush{static_cast<std::uint32_t>(deflation.count())});
+  commands.submit();
+  const std::vector<float> lifts = gpu::download<float>(context, deflation.lifts());
+  ASSERT_EQ(deflation.count(), islands.spans.size());
+  for (std::size_t k = 1; k < expected.size(); ++k)
+    EXPECT_NEAR(lifts[k], expected[k], 1e-4 * std::abs(expected[k])) << k;
+}
+
+}  // namespace
+}  // namespace alabaster
