@@ -212,8 +212,8 @@ RenderResult render_scene(gpu::Context& context, const Scene& scene, const Plan&
       if (body.light->beam())
         body.straight = std::make_unique<Straight>(context, body.domain, *body.diffusion, object.eta);
       if (plan.transport == Transport::gather)
-        body.gather =
-            std::make_unique<GatherExit>(context, body.domain, *body.diffusion, *body.light->beam(), object.eta);
+        body.gather = std::make_unique<GatherExit>(context, body.domain, *body.diffusion, *body.light->beam(),
+                                                   meshes->rays, object.eta);
       else if (plan.components.count(Component::single))
         body.single = std::make_unique<SingleScattering>(
             context, body.domain, *body.diffusion,

@@ -12,16 +12,19 @@ gpu::Image cell_image(gpu::Context& context, const Domain& domain, const char* n
 }  // namespace
 
 GatherExit::GatherExit(gpu::Context& context, const Domain& domain, const Diffusion& diffusion, const BeamSource& beam,
-                       double eta)
+                       const DeviceRayTree& rays, double eta)
     : domain_(domain),
       diffusion_(diffusion),
       beam_(beam),
+      rays_(rays),
       push_{domain.frame.cells, static_cast<int>(domain.summary.cut_cells) + 1},
       density_pass_(context, "shading/beam_density.comp"),
       spread_pass_(context, "shading/spread_facets.comp"),
       level_pass_(context, "shading/gather_level.comp"),
+      ratio_pass_(context, "shading/gather_ratio.comp"),
       linear_(context, gpu::Filter::linear),
       grid_(gpu::make_buffer(context, std::vector<GatherGrid>{ray_grid(domain, diffusion, eta)}, "gather grid")),
+      fluxes_(context, 2 * push_.count * sizeof(GatherFlux), "gather fluxes"),
       levels_(context, 2 * push_.count * sizeof(glm::vec4), "gather levels"),
       counts_(context, 2 * sizeof(std::uint32_t), "gather counts", gpu::Memory::host),
       density_(cell_image(context, domain, "beam density")),
@@ -30,6 +33,8 @@ GatherExit::GatherExit(gpu::Context& context, const Domain& domain, const Diffus
 
 gpu::Bindings GatherExit::ray_bindings() const {
   return {{"grid", grid_},
+          {"ray_nodes", rays_.nodes},
+          {"ray_triangles", rays_.triangles},
           {"cut_index", domain_.cut_index},
           {"cut_cells", domain_.cut_cells},
           {"volume", domain_.volume},
@@ -67,10 +72,16 @@ void GatherExit::record(gpu::Commands& commands) const {
                     {{"grid", grid_}, {"volume", domain_.volume}, {"power", beam_.power()}, {"density", density_}});
   record_spread(commands, beam_.near(), near_);
   gpu::Bindings bindings = ray_bindings();
-  bindings.push_back({"levels", levels_});
-  bindings.push_back({"counts", counts_});
+  bindings.push_back({"fluxes", fluxes_});
   commands.fill(counts_);
   commands.dispatch(level_pass_, {push_.count, 1, 1}, bindings, push_);
+  commands.dispatch(ratio_pass_, {2 * push_.count, 1, 1},
+                    {{"fluxes", fluxes_},
+                     {"cut_index", domain_.cut_index},
+                     {"cut_cells", domain_.cut_cells},
+                     {"levels", levels_},
+                     {"counts", counts_}},
+                    push_);
   record_spread(commands, levels_, level_);
 }
 

@@ -5,6 +5,7 @@
 
 #include "diffusion/diffusion.h"
 #include "lighting/beam_source.h"
+#include "lighting/ray_tree.h"
 #include "shared/gather.h"
 
 namespace alabaster {
@@ -12,7 +13,7 @@ namespace alabaster {
 class GatherExit {
  public:
   GatherExit(gpu::Context& context, const Domain& domain, const Diffusion& diffusion, const BeamSource& beam,
-             double eta);
+             const DeviceRayTree& rays, double eta);
 
   /// After the solve: densities and levels (stage "gather levels").
   void record(gpu::Commands& commands) const;
@@ -35,10 +36,11 @@ class GatherExit {
   const Domain& domain_;
   const Diffusion& diffusion_;
   const BeamSource& beam_;
+  const DeviceRayTree& rays_;
   GatherPicturePush push_;
-  gpu::Pass density_pass_, spread_pass_, level_pass_;
+  gpu::Pass density_pass_, spread_pass_, level_pass_, ratio_pass_;
   gpu::Sampler linear_;
-  gpu::Buffer grid_, levels_, counts_;
+  gpu::Buffer grid_, fluxes_, levels_, counts_;
   gpu::Image density_, near_[2], level_[2];
 };
 

@@ -21,8 +21,8 @@ RayTriangle ray_triangle(uint i) {
   return RayTriangle(uintBitsToFloat(a.xyz), uintBitsToFloat(uvec3(a.w, b.xy)), uintBitsToFloat(uvec3(b.zw, c.x)), c.y, c.z, 0);
 }
 
-// The nearest triangle between `near` and `far`, m.
-RayHit trace_ray(vec3 origin, vec3 direction, float near, float far) {
+// The nearest triangle between `near` and `far`, m. Closed ones are met from outside, or with `side` -1 from inside.
+RayHit trace_side(vec3 origin, vec3 direction, float near, float far, float side) {
   const vec3 inverse = vec3(ray_inverse(direction.x), ray_inverse(direction.y), ray_inverse(direction.z));
   RayHit hit = RayHit(far, ray_missed);
   const RayNode root = ray_node(0);
@@ -37,7 +37,7 @@ RayHit trace_ray(vec3 origin, vec3 direction, float near, float far) {
       const RayTriangle t = ray_triangle(node.link + i);
       const vec3 p = cross(direction, t.edge2), from = origin - t.corner, q = cross(from, t.edge1);
       const float det = dot(t.edge1, p);
-      if (t.closed != 0 ? det <= 0 : det == 0) continue;
+      if (t.closed != 0 ? side * det <= 0 : det == 0) continue;
       const float over = 1 / det;
       const float u = dot(from, p) * over, v = dot(direction, q) * over, s = dot(t.edge2, q) * over;
       if (min(min(u, v), 1 - u - v) >= -ray_edge_slack && s >= near && s < hit.distance)
@@ -47,3 +47,5 @@ RayHit trace_ray(vec3 origin, vec3 direction, float near, float far) {
   }
   return hit;
 }
+
+RayHit trace_ray(vec3 origin, vec3 direction, float near, float far) { return trace_side(origin, direction, near, far, 1); }

@@ -1,18 +1,17 @@
-// The level of the gather on each facet: flux that the diffusion equation sends out there over the flux that the gather does, by
-// quadrature over the hemisphere. With it energy is kept as the diffusion equation keeps it, and the gather shapes the light only.
+// What the diffusion equation sends out through each facet and what the gather does, by quadrature over the hemisphere. The
+// level is their quotient (gather_ratio.comp): so energy is kept as the diffusion equation keeps it, and the gather shapes the light.
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
 #include "shading/gather_ray.glsl"
 layout(local_size_x = 64) in;
 layout(push_constant, scalar) uniform Push { GatherPicturePush push; };
-layout(binding = 0, scalar) writeonly buffer Levels { vec4 levels[]; };  // two a cut cell
-layout(binding = 1, scalar) buffer Counts { uint counts[]; };             // GATHER_* of shared/gather.h
+layout(binding = 0, scalar) writeonly buffer Fluxes { GatherFlux fluxes[]; };  // two a cut cell
 
-vec4 level_of(uint index, int s) {
+GatherFlux flux_of(uint index, int s) {
   const GpuFacet side = cut_cells[index].side[s];
   const float size = length(side.area_vector);
-  if (index == 0 || side.area <= 0 || size <= 0) return vec4(1);
+  if (index == 0 || side.area <= 0 || size <= 0) return GatherFlux(vec3(0), vec3(0));
   const vec3 normal = side.area_vector / size, from = vec3(cut_cells[index].cell) + side.centre;
   const vec3 across = normalize(abs(normal.x) < 0.6 ? cross(normal, vec3(1, 0, 0)) : cross(normal, vec3(0, 1, 0)));
   const vec3 other = cross(normal, across);
@@ -27,20 +26,7 @@ vec4 level_of(uint index, int s) {
     gathered += weight * gather_along(from, normal, refracted_inwards(outside, normal, cosine)).all;
     weights += weight;
   }
-  // Both sides: flux that leaves, times 4 / F_dt.
-  gathered /= weights;
-  const vec3 wanted = bracket_at(from, (facet_class(normal) & 1) == 1);
-  vec4 level = vec4(1);
-  bool bounded = false;
-  for (int c = 0; c < 3; ++c) {
-    if (gathered[c] <= 0) continue;
-    const float ratio = wanted[c] / gathered[c];
-    level[c] = clamp(ratio, GATHER_LEAST_LEVEL, GATHER_MOST_LEVEL);
-    bounded = bounded || level[c] != ratio;
-  }
-  atomicAdd(counts[GATHER_SIDES], 1u);
-  if (bounded) atomicAdd(counts[GATHER_BOUNDED], 1u);
-  return level;
+  return GatherFlux(bracket_at(from, (facet_class(normal) & 1) == 1), max(gathered / weights, vec3(0)));
 }
 
 void main() {
@@ -48,6 +34,6 @@ void main() {
   if (index >= push.count) return;
   // Most cells have one side: the lanes of a CPU work together then.
   const int first = index != 0 && cut_cells[index].side[0].area <= 0 ? 1 : 0;
-  levels[2 * index + first] = level_of(index, first);
-  levels[2 * index + 1 - first] = level_of(index, 1 - first);
+  fluxes[2 * index + first] = flux_of(index, first);
+  fluxes[2 * index + 1 - first] = flux_of(index, 1 - first);
 }

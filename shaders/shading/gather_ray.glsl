@@ -1,6 +1,7 @@
 // What arrives at a point of the surface from inside, along one direction: the source sigma_s' (phi + phi_b) gathered along the
-// ray, and at its far end what the surface there mirrors. Takes bindings 16 to 26.
+// ray, and at its far end what the surface there mirrors. Takes bindings 11, 12 and 16 to 28.
 #include "domain/facet_class.glsl"
+#include "lighting/ray_tree.glsl"
 #include "shared/domain.h"
 #include "shared/gather.h"
 layout(binding = 16, scalar) uniform Grid { GatherGrid grid; };
@@ -18,6 +19,7 @@ layout(binding = 27) uniform sampler3D drive_up;      // the query's Gamma
 layout(binding = 28) uniform sampler3D drive_down;
 #define GRID grid
 #include "domain/way.glsl"
+#include "domain/way_end.glsl"
 
 vec3 place_of(vec3 p) { return p / vec3(grid.cells); }
 
@@ -48,16 +50,25 @@ struct Gathered {
   vec3 all, single;
 };
 
-Gathered near_part(vec3 p, bool down, Solid s, float cosine) {
+// How deep the near light of a facet reaches, h (lighting/beam_march.comp).
+float near_depth_at(vec3 p, vec3 normal, bool down) {
+  const float usual = 0.75;
+  if (solid_at(ivec3(floor(p - 1.25 * normal))).there && solid_at(ivec3(floor(p - 0.75 * normal))).there) return usual;
+  const GpuFacet side = cut_cells[imageLoad(cut_index, ivec3(floor(p - 1e-3 * normal))).r].side[down ? 1 : 0];
+  return side.area > 0 ? clamp(side.distance, 0.05, usual) : usual;
+}
+
+// What the light near the facet at `p` adds to a ray that starts there, or ends there (`behind`). `tau` is the ray's.
+void add_near(vec3 p, vec3 normal, Solid s, float view, vec3 tau, bool behind, inout Gathered sum) {
+  const bool down = (facet_class(normal) & 1) == 1;
   const vec4 near_ = down ? texture(near_down, place_of(p)) : texture(near_up, place_of(p));
-  Gathered sum = Gathered(vec3(0), vec3(0));
+  const float depth = near_depth_at(p, normal, down);
   for (int c = 0; c < 3; ++c) {
-    const int k = min(c, grid.channels - 1);
-    const float mu = max(near_.a, 0.05), bound = max(0.75 * s.sigma_t[k], 1e-4);
-    sum.single[c] = near_single(near_[c], mu, bound, cosine);
-    sum.all[c] = sum.single[c] - near_surplus(near_[c], near_mean_depth(mu, bound), s.albedo[k], cosine);
+    const NearLight n = NearLight(near_[c], max(near_.a, 0.05), max(depth * s.sigma_t[c], 1e-4), s.albedo[c], view, tau[c]);
+    const float once = behind ? near_single_behind(n) : near_single(n);
+    sum.single[c] += once;
+    sum.all[c] += once - (behind ? near_surplus_behind(n) : near_surplus(n));
   }
-  return sum;
 }
 
 // What arrives at `from` (h, from the grid's corner), on the surface with this normal, along -`along` (unit, inwards).
@@ -65,7 +76,8 @@ Gathered gather_along(vec3 from, vec3 normal, vec3 along) {
   const bool down = (facet_class(normal) & 1) == 1;
   Way w = way_from(from, along, ivec3(floor(from - 1e-3 * normal)));
   Gathered sum = Gathered(vec3(0), vec3(0));
-  vec3 left = vec3(1);
+  Solid first = Solid(false, vec3(0), vec3(0));
+  vec3 left = vec3(1), tau = vec3(1e3);
   bool inside = false;
   const int most_steps = grid.cells.x + grid.cells.y + grid.cells.z;
   for (int n = 0; n < most_steps; ++n) {
@@ -76,13 +88,13 @@ Gathered gather_along(vec3 from, vec3 normal, vec3 along) {
       continue;
     }
     if (grid.channels == 1) s.sigma_t = s.sigma_t.rrr, s.albedo = s.albedo.rrr;
-    if (!inside) sum = near_part(from, down, s, max(-dot(normal, along), 1e-3));  // edge-on rounding may turn it
+    if (!inside) first = s;
     inside = true;
     vec3 far_normal;
     float end = cell_end(w);
     const float out_at = leaves_at(w, imageLoad(cut_index, w.cell).r, end, far_normal);
     // Near its start the ray is in the facet's plane but for the surface's bend: nothing leaves there.
-    const bool leaves = out_at <= end && out_at > 0.25;
+    const bool leaves = out_at <= end && out_at > 0.25 && !mesh_goes_on(w, out_at);
     if (leaves) end = out_at;
     const float length_ = end - w.at;
     const vec3 depth = s.sigma_t * length_, lost = left * (1 - exp(-depth));
@@ -100,12 +112,15 @@ Gathered gather_along(vec3 from, vec3 normal, vec3 along) {
       break;
     }
     if (leaves) {
-      const float mirrored = fresnel_reflectance(dot(far_normal, along), 1 / grid.eta);
+      const float cosine = max(dot(far_normal, along), 1e-3), mirrored = fresnel_reflectance(cosine, 1 / grid.eta);
+      tau = -log(max(left, vec3(1e-30)));
+      add_near(at_end, far_normal, s, cosine, tau, true, sum);
       sum.all += left * mirrored * bracket_at(at_end, (facet_class(far_normal) & 1) == 1);
       break;
     }
     step_on(w);
   }
+  if (inside) add_near(from, normal, first, max(-dot(normal, along), 1e-3), tau, false, sum);  // edge-on rounding may turn it
   if (grid.channels == 1) sum = Gathered(sum.all.rrr, sum.single.rrr);
   return sum;
 }

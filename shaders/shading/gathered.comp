@@ -6,9 +6,9 @@
 #include "visible.glsl"
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(push_constant, scalar) uniform Push { TranslucentPush push; };
-layout(binding = 11) uniform sampler3D level_up;
-layout(binding = 12) uniform sampler3D level_down;
-layout(binding = 13, rgba32f) uniform image2D single;
+layout(binding = 13) uniform sampler3D level_up;
+layout(binding = 14) uniform sampler3D level_down;
+layout(binding = 15, rgba32f) uniform image2D single;
 void main() {
   const uvec2 pixel = push.corner + gl_GlobalInvocationID.xy;
   if (any(greaterThanEqual(pixel, push.camera.size))) return;

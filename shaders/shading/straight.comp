@@ -20,6 +20,7 @@ layout(binding = 22, rgba32f) uniform readonly image3D kappa;
 layout(binding = 23, rgba32f) uniform readonly image3D absorption;
 #define GRID grid
 #include "domain/way.glsl"
+#include "domain/way_end.glsl"
 layout(local_size_x = 8, local_size_y = 8) in;
 
 const float least_share = 1e-4;  // of the light behind that is worth a ray
@@ -40,7 +41,7 @@ bool cross_object(inout Way w, inout vec3 left, out float end, out vec3 normal) 
       vec3 through;
       const float out_at = leaves_at(w, imageLoad(cut_index, w.cell).r, end, through);
       // Near its start the way is in the facet's plane but for the surface's bend: nothing leaves there.
-      const bool leaves = out_at <= end && out_at > 0.25;
+      const bool leaves = out_at <= end && out_at > 0.25 && !mesh_goes_on(w, out_at);
       if (leaves) end = out_at;
       left *= exp(-(grid.channels == 1 ? s.sigma_t.rrr : s.sigma_t) * (end - w.at));
       normal = through;

@@ -26,6 +26,12 @@ struct GatherGrid {
   float eta, A, f_dt;
 };
 
+// Of one side of a cut cell, times 4 / F_dt, W/m^2.
+struct GatherFlux {
+  vec3 wanted;    // what the diffusion equation sends out
+  vec3 gathered;  // what the gather sends out, at level 1
+};
+
 struct GatherPicturePush {
   ivec3 cells;
   int count;  // of cut cells, entry 0 included
@@ -34,19 +40,49 @@ struct GatherPicturePush {
 // Mean depth, in mean free paths, of what a beam of cosine mu scatters down to depth `bound` (in mean free paths).
 SHARED_FN real near_mean_depth(real mu, real bound) { return bound * loss_place(bound / mu); }
 
-// 4 pi times the radiance at the surface, towards cosine mu_view inside, of the light that a beam of cosine mu scatters down to
-// depth `bound` (mean free paths); `near_flux` is all of it.
-SHARED_FN real near_single(real near_flux, real mu, real bound, real mu_view) {
-  real x = bound / mu, y = bound * (real(1) / mu + real(1) / mu_view);
-  real scattered = x < real(1e-3) ? x * (real(1) - real(0.5) * x) : real(1) - exp(-x);
-  real seen = y < real(1e-3) ? y * (real(1) - real(0.5) * y) : real(1) - exp(-y);
-  return near_flux * seen / (scattered * (mu + mu_view));
+// Integral of exp(-k z) over z from 0 to `end`.
+SHARED_FN real decay_integral(real k, real end) {
+  real x = k * end;
+  return abs(x) < real(1e-3) ? end * (real(1) - real(0.5) * x) : (real(1) - exp(-x)) / k;
 }
 
-// And what the fluence that the boundary condition drives says too much near the surface, 3 a' m e^(-z / m) of that flux, m its
-// mean depth. In a half space that is 3 a' mu^2 / (mu + mu_view).
-SHARED_FN real near_surplus(real near_flux, real m, real albedo, real mu_view) {
-  return near_flux * real(3) * albedo * m * m / (m + mu_view);
+// Of exp(k z - tau): as it is where exp(k z) alone would overflow.
+SHARED_FN real growth_integral(real k, real end, real tau) {
+  real x = k * end;
+  return abs(x) < real(1e-3) ? end * (real(1) + real(0.5) * x) * exp(-tau) : (exp(x - tau) - exp(-tau)) / k;
+}
+
+// Light near a facet, as a view ray sees it that starts there or ends there. Depths z below the facet in mean free
+// paths.
+struct NearLight {
+  float flux;    // of what a beam scatters down to `bound`, W/m^2
+  float cosine;  // of the beam, inside
+  float bound;
+  float albedo;
+  float view;  // cosine of the ray with the facet's normal, inside
+  float tau;   // optical depth of all of the ray
+};
+
+// 4 pi times the radiance of that light, flux exp(-z / mu) / (mu (1 - exp(-bound / mu))), at the ray's other side: seen
+// from the facet, and from within towards it.
+SHARED_INLINE float near_single(NearLight n) {
+  float seen = decay_integral(1.0f / n.cosine + 1.0f / n.view, min(n.bound, n.tau * n.view));
+  return n.flux * seen / (n.view * decay_integral(1.0f / n.cosine, n.bound));
+}
+SHARED_INLINE float near_single_behind(NearLight n) {
+  float seen = growth_integral(1.0f / n.view - 1.0f / n.cosine, min(n.bound, n.tau * n.view), n.tau);
+  return n.flux * seen / (n.view * decay_integral(1.0f / n.cosine, n.bound));
+}
+
+// And what the fluence that the boundary condition drives says too much near the surface, 3 a' m e^(-z / m) of that
+// flux, m its mean depth. In a half space that is 3 a' mu^2 / (mu + mu_view).
+SHARED_INLINE float near_surplus(NearLight n) {
+  float m = near_mean_depth(n.cosine, n.bound);
+  return n.flux * 3.0f * n.albedo * m / n.view * decay_integral(1.0f / m + 1.0f / n.view, n.tau * n.view);
+}
+SHARED_INLINE float near_surplus_behind(NearLight n) {
+  float m = near_mean_depth(n.cosine, n.bound);
+  return n.flux * 3.0f * n.albedo * m / n.view * growth_integral(1.0f / n.view - 1.0f / m, n.tau * n.view, n.tau);
 }
 
 ALABASTER_END_SHARED
