@@ -12,6 +12,7 @@ namespace {
 constexpr std::uint32_t cells_an_item = 64;     // as in shaders/domain/triangles.glsl
 constexpr std::size_t sums_bytes = 6 * 19 * 4;  // of a candidate cell, as in shaders/domain/sums.glsl
 constexpr double fixed_one = 16777216;          // likewise
+constexpr double folded_share = 0.01;           // of the cut cells: scanned meshes have folds of a few triangles
 static_assert(sizeof(GpuFacet) == 32 && sizeof(GpuCutCell) == 160 && sizeof(DomainPush) == 16);
 
 struct Item {
@@ -314,8 +315,10 @@ class DomainBuild {
           " cells hold too much surface (100 times a cell's face); choose a larger --grid or a simpler mesh");
     }
     if (s.worst_closure > 1e-3) throw UserError("mesh: it is not closed; close its holes");
-    if (status.inverted_texels > 0)
+    if (status.inverted_texels > folded_share * s.cut_cells)
       throw UserError("mesh: it, or a piece of it, is inside out; turn its triangles around");
+    if (status.inverted_texels > 0)
+      out_.warnings.push_back("the mesh is folded inside out in places; what lies in the folds is left out");
     if (s.cut_cells == 0) throw UserError("mesh: it has no surface; all its triangles are degenerate");
     if (status.overlapping_texels > 0) {
       out_.warnings.push_back("the mesh overlaps itself in places; volumes there are clamped");

@@ -47,7 +47,7 @@ class DomainMaker {
 
   /// Cuts the grid with the closed mesh, on the device. Sums are integers of 2^-24 h^2, so the result does not depend
   /// on the order of the additions; a cell may hold up to 100 h^2 of surface. Throws UserError where the mesh is not
-  /// closed, is inside out, or is too crumpled or too finely gridded for the device.
+  /// closed, is inside out but for a few folds, or is too crumpled or too finely gridded for the device.
   Domain make(const Mesh& mesh, const GridFrame& frame) const;
 
  private:

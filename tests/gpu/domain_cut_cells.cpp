@@ -1,6 +1,7 @@
 // The cut cells of the device against their double-precision twin: every field of every cell, on generated meshes and
 // on edge cases; the tiles; what it refuses.
 #include <cmath>
+#include <numeric>
 #include <random>
 
 #include "domain/cut_cells.h"
@@ -235,6 +236,23 @@ TEST_F(DomainTest, CavitiesCountAndOverlapsAreSaid) {
   EXPECT_NE(domain.warnings[0].find("overlaps itself"), std::string::npos);
   for (float a : gpu::download<float>(context, domain.aperture[0])) EXPECT_LE(a, 1);
   for (float v : gpu::download<float>(context, domain.volume)) EXPECT_LE(v, 1 + 1e-5);
+}
+
+// As scanned meshes have them: a few triangles folded over, which a fine grid sees and a coarse one does not.
+TEST_F(DomainTest, SmallFoldsAreLeftOutAndSaid) {
+  const Mesh ball = icosphere(4, 1), fold = transformed(flipped(icosphere(2, 0.04f)), translation({1.2, 0, 0}));
+  const Mesh folded = joined(ball, fold);
+  const GridFrame frame = choose_frame(bounds_of(folded), 48);
+  const Domain domain = maker.make(folded, frame), alone = maker.make(ball, frame);
+  ASSERT_EQ(domain.warnings.size(), 1u);
+  EXPECT_NE(domain.warnings[0].find("folded"), std::string::npos);
+  for (float a : gpu::download<float>(context, domain.aperture[0])) EXPECT_GE(a, 0);
+  const std::vector<float> volume = gpu::download<float>(context, domain.volume);
+  for (float v : volume) EXPECT_GE(v, 0);
+  const std::vector<float> unfolded = gpu::download<float>(context, alone.volume);
+  EXPECT_NEAR(std::accumulate(volume.begin(), volume.end(), 0.0),
+              std::accumulate(unfolded.begin(), unfolded.end(), 0.0), std::pow(0.08 / frame.h, 3))
+      << "cells, of the fold's own box";
 }
 
 TEST_F(DomainTest, RefusesOpenInvertedAndEmptyMeshes) {
