@@ -1,7 +1,6 @@
 // The path tracer against published and exact values of plane-parallel transport.
 #include <gtest/gtest.h>
 
-#include <cstdlib>
 #include <string>
 
 #include "physics/reference_scenes.h"
@@ -9,14 +8,6 @@
 namespace alabaster {
 namespace {
 using namespace testing_scenes;
-
-// ALABASTER_STUDY=N takes N times the paths and asks for 0.3 % as well: the proof that is too long for every build.
-// Of what it prints, grep '^|' makes the README's table. Each row has its own seed: one chance for all would make their
-// deviations one.
-std::uint64_t study_factor() {
-  const char* text = std::getenv("ALABASTER_STUDY");
-  return text ? std::strtoull(text, nullptr, 10) : 1;
-}
 
 void expect_within(const char* what, const Estimate& e, double truth) {
   const double off = e.mean.x / truth - 1, error = e.error.x / truth;
