@@ -11,12 +11,6 @@
 namespace alabaster {
 namespace {
 
-struct Arguments {
-  std::string scene, json;
-  int runs = 7;
-  std::vector<std::string> render_options;
-};
-
 struct Variant {
   std::string name;
   std::vector<std::string> options;
@@ -41,7 +35,7 @@ struct Times {
   std::vector<double> wall, cpu;  // ms, one a round
 };
 
-std::vector<Times> measured(const Arguments& a) {
+std::vector<Times> measured(const RenderStudy& a) {
   const Scratch scratch;
   std::vector<Times> times(variants().size());
   for (int round = -1; round < a.runs; ++round)  // the first round fills the shader cache and is not counted
@@ -63,7 +57,7 @@ double median_difference(const std::vector<double>& values, const std::vector<do
   return median(differences);
 }
 
-void run_components(const Arguments& a) {
+void run_components(const RenderStudy& a) {
   const std::vector<Times> times = measured(a);
   nlohmann::json json{{"scene", a.scene}, {"runs", a.runs}, {"rows", nlohmann::json::array()}};
   std::printf(
@@ -94,11 +88,8 @@ void run_components(const Arguments& a) {
 
 void add_components(CLI::App& app) {
   auto* command = app.add_subcommand("components", "what each component and transport adds to a frame, side by side");
-  auto a = std::make_shared<Arguments>();
-  command->add_option("scene", a->scene, "glTF 2.0 scene")->required();
-  command->add_option("render_options", a->render_options, "options for every `alabaster render`, after --");
-  command->add_option("--runs", a->runs, "counted rounds")->check(CLI::Range(1, 1000))->capture_default_str();
-  command->add_option("--json", a->json, "medians (JSON)");
+  auto a = std::make_shared<RenderStudy>();
+  a->add_to(*command);
   command->callback([a] { run_components(*a); });
 }
 

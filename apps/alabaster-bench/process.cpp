@@ -16,6 +16,13 @@ namespace alabaster {
 
 namespace fs = std::filesystem;
 
+void RenderStudy::add_to(CLI::App& command) {
+  command.add_option("scene", scene, "glTF 2.0 scene")->required();
+  command.add_option("render_options", render_options, "options for `alabaster render`, after --");
+  command.add_option("--runs", runs, "counted runs")->check(CLI::Range(1, 1000))->capture_default_str();
+  command.add_option("--json", json, "medians (JSON)");
+}
+
 ProcessCost run_sibling(const std::string& program, const std::vector<std::string>& arguments) {
   const std::string path = (fs::read_symlink("/proc/self/exe").parent_path() / program).string();
   std::vector<std::string> words{path};

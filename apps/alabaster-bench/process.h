@@ -1,6 +1,7 @@
 // Programs of ours run as a user runs them.
 #pragma once
 
+#include <CLI/CLI.hpp>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -13,6 +14,15 @@ struct ProcessCost {
 
 /// Runs `program` of the folder this program is in, and waits. Throws UserError where it cannot be started or fails.
 ProcessCost run_sibling(const std::string& program, const std::vector<std::string>& arguments);
+
+/// What the benchmarks of whole renders are told.
+struct RenderStudy {
+  std::string scene, json;
+  int runs = 7;
+  std::vector<std::string> render_options;
+
+  void add_to(CLI::App& command);
+};
 
 /// A folder for the files of one benchmark; removed at the end.
 class Scratch {

@@ -12,13 +12,7 @@
 namespace alabaster {
 namespace {
 
-struct Arguments {
-  std::string scene, json;
-  int runs = 7;
-  std::vector<std::string> render_options;
-};
-
-void run_stages(const Arguments& a) {
+void run_stages(const RenderStudy& a) {
   const Scratch scratch;
   const std::string stats = scratch / "stats.json";
   std::vector<std::string> words{"render", a.scene, "-o", scratch / "out.exr", "--stats", stats};
@@ -57,11 +51,8 @@ void run_stages(const Arguments& a) {
 
 void add_stages(CLI::App& app) {
   auto* command = app.add_subcommand("stages", "time of each stage and of the whole `alabaster render` process");
-  auto a = std::make_shared<Arguments>();
-  command->add_option("scene", a->scene, "glTF 2.0 scene")->required();
-  command->add_option("render_options", a->render_options, "options for `alabaster render`, after --");
-  command->add_option("--runs", a->runs, "counted runs")->check(CLI::Range(1, 1000))->capture_default_str();
-  command->add_option("--json", a->json, "medians (JSON)");
+  auto a = std::make_shared<RenderStudy>();
+  a->add_to(*command);
   command->callback([a] { run_stages(*a); });
 }
 

@@ -32,21 +32,17 @@ GatherExit::GatherExit(gpu::Context& context, const Domain& domain, const Diffus
       level_{cell_image(context, domain, "gather level, up"), cell_image(context, domain, "gather level, down")} {}
 
 gpu::Bindings GatherExit::ray_bindings() const {
-  return {{"grid", grid_},
-          {"ray_nodes", rays_.nodes},
-          {"ray_triangles", rays_.triangles},
-          {"cut_index", domain_.cut_index},
-          {"cut_cells", domain_.cut_cells},
-          {"volume", domain_.volume},
-          {"kappa", diffusion_.kappa()},
-          {"absorption", diffusion_.absorption()},
-          {"beam_density", density_, linear_},
-          {"near_up", near_[0], linear_},
-          {"near_down", near_[1], linear_},
-          {"field_up", diffusion_.surface(0), linear_},
-          {"field_down", diffusion_.surface(1), linear_},
-          {"drive_up", diffusion_.surface_gamma(0), linear_},
-          {"drive_down", diffusion_.surface_gamma(1), linear_}};
+  gpu::Bindings bindings = way_bindings(grid_, domain_, diffusion_);
+  for (const gpu::Bindings& more :
+       {rays_.bindings(), gpu::Bindings{{"beam_density", density_, linear_},
+                                        {"near_up", near_[0], linear_},
+                                        {"near_down", near_[1], linear_},
+                                        {"field_up", diffusion_.surface(0), linear_},
+                                        {"field_down", diffusion_.surface(1), linear_},
+                                        {"drive_up", diffusion_.surface_gamma(0), linear_},
+                                        {"drive_down", diffusion_.surface_gamma(1), linear_}}})
+    bindings.insert(bindings.end(), more.begin(), more.end());
+  return bindings;
 }
 
 gpu::Bindings GatherExit::picture_bindings() const {

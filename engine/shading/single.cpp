@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "lighting/directional_source.h"
+#include "shading/straight.h"
 #include "shared/gather.h"
 
 namespace alabaster {
@@ -134,7 +135,7 @@ glm::vec3 SingleScattering::measure_scale(const Lighting& lighting, const SceneM
   push.stride = (push_.sides / SINGLE_ASKED) | 1;  // odd: both sides of cells come in turn
   push.count = (push_.sides + push.stride - 1) / push.stride;
   const gpu::Buffer leaves(context_, push.count * sizeof(glm::vec4), "single scattering leaves");
-  gpu::Bindings bindings = ray_bindings();
+  gpu::Bindings bindings = way_bindings(grid_, domain_, diffusion_);
   for (const gpu::Bindings& more : {lighting.bindings(), meshes.rays.bindings()})
     bindings.insert(bindings.end(), more.begin(), more.end());
   bindings.push_back({"receivers", receivers_.buffer()});
@@ -173,17 +174,8 @@ void SingleScattering::record_take(gpu::Commands& commands, const gpu::Buffer& g
                     push_);
 }
 
-gpu::Bindings SingleScattering::ray_bindings() const {
-  return {{"grid", grid_},
-          {"cut_index", domain_.cut_index},
-          {"cut_cells", domain_.cut_cells},
-          {"volume", domain_.volume},
-          {"kappa", diffusion_.kappa()},
-          {"absorption", diffusion_.absorption()}};
-}
-
 gpu::Bindings SingleScattering::picture_bindings() const {
-  gpu::Bindings bindings = ray_bindings();
+  gpu::Bindings bindings = way_bindings(grid_, domain_, diffusion_);
   for (const gpu::Binding& binding : gpu::Bindings{{"phi_up", diffusion_.surface(0), linear_},
                                                    {"phi_down", diffusion_.surface(1), linear_},
                                                    {"gamma_up", diffusion_.surface_gamma(0), linear_},

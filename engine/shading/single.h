@@ -44,7 +44,6 @@ class SingleScattering {
   gpu::Bindings picture_bindings() const;
 
  private:
-  gpu::Bindings ray_bindings() const;
   glm::vec3 measure_scale(const Lighting& lighting, const SceneMeshes& meshes) const;
 
   gpu::Context& context_;

@@ -21,13 +21,15 @@ Straight::Straight(gpu::Context& context, const Domain& domain, const Diffusion&
       diffusion_(diffusion),
       grid_(gpu::make_buffer(context, std::vector<GatherGrid>{ray_grid(domain, diffusion, eta)}, "ray grid")) {}
 
-gpu::Bindings Straight::bindings() const {
-  return {{"grid", grid_},
-          {"cut_index", domain_.cut_index},
-          {"cut_cells", domain_.cut_cells},
-          {"volume", domain_.volume},
-          {"kappa", diffusion_.kappa()},
-          {"absorption", diffusion_.absorption()}};
+gpu::Bindings way_bindings(const gpu::Buffer& grid, const Domain& domain, const Diffusion& diffusion) {
+  return {{"grid", grid},
+          {"cut_index", domain.cut_index},
+          {"cut_cells", domain.cut_cells},
+          {"volume", domain.volume},
+          {"kappa", diffusion.kappa()},
+          {"absorption", diffusion.absorption()}};
 }
+
+gpu::Bindings Straight::bindings() const { return way_bindings(grid_, domain_, diffusion_); }
 
 }  // namespace alabaster

@@ -24,4 +24,7 @@ class Straight {
 /// The grid of a domain and its medium, as rays cross it.
 GatherGrid ray_grid(const Domain& domain, const Diffusion& diffusion, double eta);
 
+/// What a shader that includes domain/way.glsl reads of them; `grid` is its uniform buffer.
+gpu::Bindings way_bindings(const gpu::Buffer& grid, const Domain& domain, const Diffusion& diffusion);
+
 }  // namespace alabaster

@@ -7,15 +7,10 @@
 
 #include "compare/compare.h"
 #include "scene/error.h"
+#include "support/pictures.h"
 
 namespace alabaster {
 namespace {
-
-Picture constant(int width, int height, float value) {
-  Picture picture{width, height, {}, {}};
-  for (const char* c : {"R", "G", "B"}) picture.plane(c).assign(static_cast<std::size_t>(width * height), value);
-  return picture;
-}
 
 TEST(Compare, FiguresOfKnownErrors) {
   Picture reference = constant(10, 10, 2.0f), test = constant(10, 10, 2.0f);

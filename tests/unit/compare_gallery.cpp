@@ -5,16 +5,11 @@
 #include "compare/gallery.h"
 #include "scene/error.h"
 #include "scene/files.h"
+#include "support/pictures.h"
 #include "support/temp_folder.h"
 
 namespace alabaster {
 namespace {
-
-Picture constant(int width, int height, float value) {
-  Picture picture{width, height, {}, {}};
-  for (const char* c : {"R", "G", "B"}) picture.plane(c).assign(static_cast<std::size_t>(width * height), value);
-  return picture;
-}
 
 /// Width and height of a baseline JPEG (ITU-T T.81, B.2.2: marker SOF0).
 std::pair<int, int> jpeg_size(const std::string& bytes) {
