@@ -173,6 +173,7 @@ Commands::Scope::Scope(Commands& commands, const std::string& stage)
   commands.stages_.push_back(stage);
   vkCmdWriteTimestamp2(commands.commands_, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, commands.queries_,
                        static_cast<std::uint32_t>(2 * row_));
+  commands.barrier();  // lavapipe takes the time at its next flush, which else comes after the work that is timed
 }
 
 Commands::Scope::~Scope() {

@@ -1,4 +1,6 @@
 // gpu/: passes by reflection, constants, copies, timers, and what it says when a caller is wrong.
+#include <chrono>
+
 #include "support/device.h"
 
 namespace alabaster {
@@ -32,6 +34,35 @@ TEST_F(GpuPass, RunsWithConstantsPushAndTimers) {
   EXPECT_GT(context.timings().at("axpy"), 0);
   commands.submit();  // recorded once, run twice
   EXPECT_EQ(gpu::download<float>(context, by), std::vector<float>(n, 27.f));
+}
+
+// Once it has drawn anything, lavapipe takes a timestamp when it next flushes: a pass by itself came out at nothing.
+TEST_F(GpuPass, TimesAPassByItself) {
+  constexpr std::uint32_t many = 65535 * 64;
+  const std::vector<float> ones(many, 1.f);
+  const gpu::Buffer big_x = gpu::make_buffer(context, ones, "big x"), big_y = gpu::make_buffer(context, ones, "big y");
+  const gpu::Pass axpy(context, "test/axpy.comp");
+  (void)axpy.pipeline();
+  gpu::ImageSpec spec;
+  spec.size = {64, 64, 1};
+  spec.format = VK_FORMAT_D32_SFLOAT;
+  spec.type = VK_IMAGE_TYPE_2D;
+  spec.usage = VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT;
+  const gpu::Image depth(context, spec, "depth");
+  gpu::Commands commands(context);
+  gpu::Targets targets;
+  targets.size = {64, 64};
+  targets.depth = &depth;
+  commands.begin_rendering(targets);
+  commands.end_rendering();
+  {
+    const auto timer = commands.time("by itself");
+    commands.dispatch(axpy, {many, 1, 1}, {{"x", big_x}, {"y", big_y}, {"copy", image}}, Axpy{3.f, many});
+  }
+  const auto start = std::chrono::steady_clock::now();
+  commands.submit();
+  const double host = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+  EXPECT_GT(context.timings().at("by itself"), 0.3 * host);
 }
 
 TEST_F(GpuPass, RefusesWrongBindings) {
