@@ -1,9 +1,12 @@
 #include "lighting/ray_tree.h"
 
-#include <tbb/parallel_invoke.h>
+#include <embree3/rtcore.h>
 
 #include <algorithm>
-#include <numeric>
+#include <memory>
+#include <new>
+#include <stdexcept>
+#include <type_traits>
 
 namespace alabaster {
 
@@ -11,126 +14,86 @@ static_assert(sizeof(RayNode) == 32 && sizeof(RayTriangle) == 48 && sizeof(RayHi
 
 namespace {
 
-constexpr int bins = 16;
-constexpr std::uint32_t most_in_leaf = 4;
-constexpr std::uint32_t least_apart = 4096;  // triangles of a node whose children are built side by side
-constexpr float step_cost = 0.6f;            // of a box, in units of a triangle
+constexpr unsigned most_in_leaf = 4;
+constexpr float step_cost = 1.2f;  // of an inner node (two boxes), in units of a triangle
 
-float half_area(const Bounds& box) {
-  const glm::vec3 e = box.size();
-  return e.x < 0 ? 0 : e.x * e.y + e.y * e.z + e.z * e.x;
-}
+template <auto release>
+struct Released {
+  template <class T>
+  void operator()(T* t) const {
+    release(t);
+  }
+};
+using Device = std::unique_ptr<std::remove_pointer_t<RTCDevice>, Released<rtcReleaseDevice>>;
+using Bvh = std::unique_ptr<std::remove_pointer_t<RTCBVH>, Released<rtcReleaseBVH>>;
 
-void add(Bounds& box, const Bounds& other) {
-  box.low = glm::min(box.low, other.low);
-  box.high = glm::max(box.high, other.high);
-}
-
-struct Split {
-  float cost = INFINITY;
-  int axis = -1, bin = 0;
+/// What Embree's builder makes of the triangles before they are put in depth-first order.
+struct BuildNode {
+  RTCBounds bounds[2];  // of the children, which are set later
+  BuildNode* children[2];
+  unsigned count;  // triangles of a leaf; 0: inner
+  unsigned triangles[most_in_leaf];
 };
 
-class Builder {
- public:
-  explicit Builder(const Scene& scene) {
+void* make_node(RTCThreadLocalAllocator allocator, unsigned, void*) {
+  return new (rtcThreadLocalAlloc(allocator, sizeof(BuildNode), alignof(BuildNode))) BuildNode{};
+}
+
+void set_children(void* node, void** children, unsigned count, void*) {
+  for (unsigned i = 0; i < count; ++i)
+    static_cast<BuildNode*>(node)->children[i] = static_cast<BuildNode*>(children[i]);
+}
+
+void set_bounds(void* node, const RTCBounds** bounds, unsigned count, void*) {
+  for (unsigned i = 0; i < count; ++i) static_cast<BuildNode*>(node)->bounds[i] = *bounds[i];
+}
+
+void* make_leaf(RTCThreadLocalAllocator allocator, const RTCBuildPrimitive* primitives, std::size_t count, void*) {
+  auto* leaf = static_cast<BuildNode*>(make_node(allocator, 0, nullptr));
+  leaf->count = static_cast<unsigned>(count);
+  for (std::size_t i = 0; i < count; ++i) leaf->triangles[i] = primitives[i].primID;
+  std::sort(leaf->triangles, leaf->triangles + count);  // threads may hand them over in any order
+  return leaf;
+}
+
+/// All triangles of a scene, and a box around each for the builder.
+struct Primitives {
+  explicit Primitives(const Scene& scene) {
     for (std::size_t i = 0; i < scene.objects.size(); ++i) {
       const Object& object = scene.objects[i];
       for (const glm::uvec3& t : object.mesh.triangles) {
         const glm::vec3 a = object.mesh.positions[t.x], b = object.mesh.positions[t.y], c = object.mesh.positions[t.z];
-        triangles_.push_back({a, b - a, c - a, static_cast<uint>(i), object.role == Role::translucent, 0});
-        Bounds& box = boxes_.emplace_back();
-        box.add(a), box.add(b), box.add(c);
+        const glm::vec3 low = glm::min(glm::min(a, b), c), high = glm::max(glm::max(a, b), c);
+        const auto id = static_cast<unsigned>(triangles.size());
+        triangles.push_back({a, b - a, c - a, static_cast<uint>(i), object.role == Role::translucent, 0});
+        boxes.push_back({low.x, low.y, low.z, 0, high.x, high.y, high.z, id});
       }
     }
-    order_.resize(triangles_.size());
-    std::iota(order_.begin(), order_.end(), 0u);
   }
-
-  RayTree build() {
-    RayTree tree;
-    if (!triangles_.empty()) add_nodes(0, static_cast<std::uint32_t>(order_.size()), tree.nodes);
-    tree.triangles.reserve(order_.size());
-    for (std::uint32_t i : order_) tree.triangles.push_back(triangles_[i]);
-    return tree;
-  }
-
- private:
-  int bin_of(std::uint32_t triangle, const Bounds& centres, int axis) const {
-    const float share = (boxes_[triangle].centre()[axis] - centres.low[axis]) / centres.size()[axis];
-    return std::clamp(static_cast<int>(share * bins), 0, bins - 1);
-  }
-
-  Split best_split(std::uint32_t first, std::uint32_t end, const Bounds& centres) const {
-    Split best;
-    for (int axis = 0; axis < 3; ++axis) {
-      if (!(centres.size()[axis] > 0)) continue;
-      Bounds box[bins];
-      int number[bins] = {};
-      for (std::uint32_t i = first; i < end; ++i) {
-        const int bin = bin_of(order_[i], centres, axis);
-        add(box[bin], boxes_[order_[i]]);
-        ++number[bin];
-      }
-      float above[bins];  // cost of what lies in the bins from this one on
-      Bounds sum;
-      int count = 0;
-      for (int bin = bins - 1; bin > 0; --bin) {
-        add(sum, box[bin]), count += number[bin];
-        above[bin] = half_area(sum) * static_cast<float>(count);
-      }
-      sum = {}, count = 0;
-      for (int bin = 1; bin < bins; ++bin) {
-        add(sum, box[bin - 1]), count += number[bin - 1];
-        const float cost = half_area(sum) * static_cast<float>(count) + above[bin];
-        if (cost < best.cost) best = {cost, axis, bin};
-      }
-    }
-    return best;
-  }
-
-  /// Where the second child starts; `end` for a leaf.
-  std::uint32_t part(std::uint32_t first, std::uint32_t end, const Bounds& box, const Bounds& centres) {
-    const std::uint32_t count = end - first;
-    const Split split = best_split(first, end, centres);
-    const float whole = half_area(box);
-    if (count <= most_in_leaf && !(split.cost + 2 * step_cost * whole < static_cast<float>(count) * whole)) return end;
-    if (split.axis < 0) return count <= most_in_leaf ? end : first + count / 2;  // all centres in one place
-    const auto middle = std::partition(order_.begin() + first, order_.begin() + end,
-                                       [&](std::uint32_t i) { return bin_of(i, centres, split.axis) < split.bin; });
-    return static_cast<std::uint32_t>(middle - order_.begin());
-  }
-
-  void add_nodes(std::uint32_t first, std::uint32_t end, std::vector<RayNode>& nodes) {
-    Bounds box, centres;
-    for (std::uint32_t i = first; i < end; ++i) add(box, boxes_[order_[i]]), centres.add(boxes_[order_[i]].centre());
-    const std::uint32_t middle = part(first, end, box, centres);
-    const std::size_t at = nodes.size();
-    nodes.push_back({box.low, first, box.high, middle == end ? end - first : 0});
-    if (middle == end) return;
-    if (end - first < least_apart) {
-      add_nodes(first, middle, nodes);
-      add_nodes(middle, end, nodes);
-    } else {
-      std::vector<RayNode> below[2];
-      tbb::parallel_invoke([&] { add_nodes(first, middle, below[0]); }, [&] { add_nodes(middle, end, below[1]); });
-      for (const std::vector<RayNode>& child : below) append(child, nodes);
-    }
-    nodes[at].link = static_cast<uint>(nodes.size());
-  }
-
-  static void append(const std::vector<RayNode>& child, std::vector<RayNode>& nodes) {
-    const auto before = static_cast<std::uint32_t>(nodes.size());
-    for (RayNode node : child) {
-      if (node.count == 0) node.link += before;
-      nodes.push_back(node);
-    }
-  }
-
-  std::vector<RayTriangle> triangles_;
-  std::vector<Bounds> boxes_;
-  std::vector<std::uint32_t> order_;
+  std::vector<RayTriangle> triangles;
+  std::vector<RTCBuildPrimitive> boxes;
 };
+
+void add_nodes(const BuildNode& node, const RTCBounds& box, const Primitives& primitives, RayTree& tree) {
+  const std::size_t at = tree.nodes.size();
+  tree.nodes.push_back({{box.lower_x, box.lower_y, box.lower_z},
+                        static_cast<uint>(tree.triangles.size()),
+                        {box.upper_x, box.upper_y, box.upper_z},
+                        node.count});
+  for (unsigned i = 0; i < node.count; ++i) tree.triangles.push_back(primitives.triangles[node.triangles[i]]);
+  if (node.count) return;
+  for (int i = 0; i < 2; ++i) add_nodes(*node.children[i], node.bounds[i], primitives, tree);
+  tree.nodes[at].link = static_cast<uint>(tree.nodes.size());
+}
+
+RTCBounds bounds_of(const std::vector<RTCBuildPrimitive>& boxes) {
+  Bounds all;
+  for (const RTCBuildPrimitive& box : boxes) {
+    all.add({box.lower_x, box.lower_y, box.lower_z});
+    all.add({box.upper_x, box.upper_y, box.upper_z});
+  }
+  return {all.low.x, all.low.y, all.low.z, 0, all.high.x, all.high.y, all.high.z, 0};
+}
 
 bool meets(const RayNode& box, glm::vec3 origin, glm::vec3 inverse, float near, float far) {
   const glm::vec3 a = (box.low - origin) * inverse, b = (box.high - origin) * inverse;
@@ -140,7 +103,30 @@ bool meets(const RayNode& box, glm::vec3 origin, glm::vec3 inverse, float near, 
 
 }  // namespace
 
-RayTree make_ray_tree(const Scene& scene) { return Builder(scene).build(); }
+RayTree make_ray_tree(const Scene& scene) {
+  Primitives primitives(scene);
+  RayTree tree;
+  if (primitives.boxes.empty()) return tree;
+  const Device device(rtcNewDevice(nullptr));
+  const Bvh bvh(device ? rtcNewBVH(device.get()) : nullptr);
+  RTCBuildArguments arguments = rtcDefaultBuildArguments();
+  arguments.maxLeafSize = most_in_leaf;
+  arguments.maxDepth = 1024;
+  arguments.traversalCost = step_cost;
+  arguments.bvh = bvh.get();
+  arguments.primitives = primitives.boxes.data();
+  arguments.primitiveCount = arguments.primitiveArrayCapacity = primitives.boxes.size();
+  arguments.createNode = make_node;
+  arguments.setNodeChildren = set_children;
+  arguments.setNodeBounds = set_bounds;
+  arguments.createLeaf = make_leaf;
+  const RTCBounds whole = bounds_of(primitives.boxes);  // the builder sorts the boxes
+  const auto* root = bvh ? static_cast<const BuildNode*>(rtcBuildBVH(&arguments)) : nullptr;
+  if (!root) throw std::runtime_error("ray tree: Embree could not build it");
+  tree.triangles.reserve(primitives.triangles.size());
+  add_nodes(*root, whole, primitives, tree);
+  return tree;
+}
 
 RayHit trace(const RayTree& tree, glm::vec3 origin, glm::vec3 direction, float near, float far) {
   const glm::vec3 inverse(ray_inverse(direction.x), ray_inverse(direction.y), ray_inverse(direction.z));

@@ -13,8 +13,7 @@ struct RayTree {
   std::vector<RayTriangle> triangles;  // in the order of the leaves
 };
 
-/// By the surface area heuristic with binned centres (I. Wald, "On fast Construction of SAH-based Bounding Volume
-/// Hierarchies", 2007). Translucent objects are closed: met from outside only.
+/// By Embree's builder (surface area heuristic). Translucent objects are closed: met from outside only.
 RayTree make_ray_tree(const Scene& scene);
 
 /// The twin of the walk in lighting/ray_tree.glsl: the nearest triangle between `near` and `far`, m.
