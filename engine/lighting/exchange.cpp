@@ -1,13 +1,14 @@
 #include "lighting/exchange.h"
 
 #include <algorithm>
+#include <numeric>
 
 #include "scene/error.h"
 #include "shared/optics.h"
 
 namespace alabaster {
 
-static_assert(sizeof(ExchangeSide) == 8 && sizeof(LinkPush) == 48 && sizeof(ExchangePush) == 36);
+static_assert(sizeof(ExchangeSide) == 8 && sizeof(LinkPush) == 56 && sizeof(ExchangePush) == 36);
 
 namespace {
 
@@ -29,6 +30,10 @@ std::vector<std::uint32_t> side_of_entries(const std::vector<ExchangeSide>& side
   return side_of;
 }
 
+constexpr std::uint32_t least_asked = 8;  // light samples that an opaque place asks
+
+bool reflects(const Object& object) { return object.role == Role::opaque && object.albedo != glm::vec3(0); }
+
 struct OpaqueLightPush {
   std::uint32_t first, count;
 };
@@ -39,6 +44,8 @@ Exchange::Exchange(gpu::Context& context, const Scene& scene, const Lighting& li
                    std::vector<ExchangeBody> bodies, const Settings& settings)
     : context_(context),
       directions_(settings.directions),
+      shares_(
+          std::clamp(static_cast<std::uint32_t>(lighting.samples().area.size()) / least_asked, 1u, most_light_shares)),
       environment_(lighting.samples().environment),
       links_pass_(context, "lighting/links.comp"),
       facets_pass_(context, "lighting/link_facets.comp"),
@@ -66,7 +73,9 @@ Exchange::Exchange(gpu::Context& context, const Scene& scene, const Lighting& li
   }
   for (gpu::Buffer* mirrored : {&mirrored_[0], &mirrored_[1], &known_mirrored_})
     *mirrored = gpu::Buffer(context, entries_ * sizeof(glm::vec3), "mirrored");
-  find_links(scene, lighting);
+  const Hits hits = trace(scene, lighting);
+  link_facets(hits);
+  link_opaque(scene, lighting, hits);
 
   gpu::Commands commands(context);
   for (const gpu::Buffer* buffer : {&mirrored_[0], &mirrored_[1], &known_transmitted_, &known_mirrored_})
@@ -80,98 +89,113 @@ LinkPush Exchange::link_push(const Part& part) const {
   LinkPush push{};
   push.sides = static_cast<std::uint32_t>(part.sides.size());
   push.directions = static_cast<std::uint32_t>(directions_);
+  push.shares = shares_;
   return push;
 }
 
-void Exchange::find_links(const Scene& scene, const Lighting& lighting) {
-  const std::size_t objects = scene.objects.size();
-  const gpu::Bindings tree = lighting.meshes().rays.bindings();
-  std::vector<gpu::Buffer> hits(bodies_.size());
-  gpu::Buffer counts(context_, (objects + 2) * sizeof(std::uint32_t), "link counts", gpu::Memory::host);
-  const std::uint32_t* met = static_cast<const std::uint32_t*>(counts.mapped());
-  gpu::Buffer lost(context_, sizeof(std::uint32_t), "lost links", gpu::Memory::host);
-  gpu::Buffer slots(context_, sizeof(std::uint32_t), "opaque links", gpu::Memory::host);
-  {
-    gpu::Commands commands(context_);
-    for (const gpu::Buffer* buffer : {&counts, &lost, &slots}) commands.fill(*buffer);
-    for (std::size_t i = 0; i < bodies_.size(); ++i) {
-      Part& part = bodies_[i];
-      hits[i] = gpu::Buffer(context_, part.links.bytes() * 2, "link hits");
-      gpu::Bindings bindings = tree;
-      for (const gpu::Binding& b : gpu::Bindings{{"sides", part.side_buffer},
-                                                 {"receivers", part.body.source.receivers()},
-                                                 {"hits", hits[i]},
-                                                 {"links", part.links},
-                                                 {"counts", counts}})
-        bindings.push_back(b);
-      const LinkPush push = link_push(part);
-      counts_.rays += std::uint64_t(push.sides) * push.directions;
-      const auto timer = commands.time("links");
-      commands.dispatch(links_pass_, {push.sides, push.directions, 1}, bindings, push);
-    }
-    commands.submit();
-  }
+gpu::Bindings Exchange::bindings(const Hits& hits, std::size_t body) const {
+  gpu::Bindings bindings = hits.tree;
+  for (const gpu::Binding& b : gpu::Bindings{{"sides", bodies_[body].side_buffer},
+                                             {"receivers", bodies_[body].body.source.receivers()},
+                                             {"hits", hits.of_bodies[body]},
+                                             {"links", bodies_[body].links}})
+    bindings.push_back(b);
+  return bindings;
+}
 
-  // Opaque places are emitters behind the facets.
-  std::uint32_t places = 0;
-  for (std::size_t i = 0; i < objects; ++i) {
-    if (scene.objects[i].role == Role::translucent) counts_.translucent += met[i];
-    if (scene.objects[i].role != Role::opaque || scene.objects[i].albedo == glm::vec3(0)) continue;
-    places += met[i];
-    counts_.opaque += met[i];
-  }
-  if (std::uint64_t(entries_) + places > link_emitters)
-    throw UserError(scene.path + ": light between surfaces has more than " + std::to_string(link_emitters) +
-                    " emitters; choose a coarser --grid or --interreflections 0");
-  transmitted_ = gpu::Buffer(context_, (std::size_t(entries_) + places) * sizeof(glm::vec3), "radiance sent");
-  known_transmitted_ = gpu::Buffer(context_, transmitted_.bytes(), "radiance known");
-  const gpu::Buffer receivers(context_, std::max(places, 1u) * sizeof(Receiver), "opaque places");
-  const gpu::Buffer irradiance(context_, std::max(places, 1u) * sizeof(glm::vec3), "irradiance of opaque places");
-
+Exchange::Hits Exchange::trace(const Scene& scene, const Lighting& lighting) {
+  Hits hits{lighting.meshes().rays.bindings(), {}, {}};
+  const gpu::Buffer counts(context_, scene.objects.size() * shares_ * sizeof(std::uint32_t), "link counts");
   gpu::Commands commands(context_);
-  commands.fill(transmitted_);
+  commands.fill(counts);
+  for (std::size_t i = 0; i < bodies_.size(); ++i) {
+    hits.of_bodies.emplace_back(context_, bodies_[i].links.bytes() / sizeof(std::uint32_t) * sizeof(RayHit), "hits");
+    gpu::Bindings all = bindings(hits, i);
+    all.push_back({"counts", counts});
+    const LinkPush push = link_push(bodies_[i]);
+    counts_.rays += std::uint64_t(push.sides) * push.directions;
+    const auto timer = commands.time("links");
+    commands.dispatch(links_pass_, {push.sides, push.directions, 1}, all, push);
+  }
+  commands.submit();
+  hits.on = gpu::download<std::uint32_t>(context_, counts);
+  return hits;
+}
+
+std::uint32_t Exchange::met(const Hits& hits, std::size_t object) const {
+  const auto first = hits.on.begin() + static_cast<std::ptrdiff_t>(object * shares_);
+  return std::accumulate(first, first + shares_, 0u);
+}
+
+void Exchange::link_facets(const Hits& hits) {
+  const gpu::Buffer lost(context_, sizeof(std::uint32_t), "lost links");
+  gpu::Commands commands(context_);
+  commands.fill(lost);
   for (std::size_t i = 0; i < bodies_.size(); ++i) {
     const auto timer = commands.time("links");
-    LinkPush push = link_push(bodies_[i]);
-    gpu::Bindings shared = tree;
-    for (const gpu::Binding& b : gpu::Bindings{{"sides", bodies_[i].side_buffer},
-                                               {"receivers", bodies_[i].body.source.receivers()},
-                                               {"hits", hits[i]},
-                                               {"links", bodies_[i].links}})
-      shared.push_back(b);
     for (const Part& seen : bodies_) {
-      if (!met[seen.body.object]) continue;
+      const std::uint32_t count = met(hits, static_cast<std::size_t>(seen.body.object));
+      if (!count) continue;
+      LinkPush push = link_push(bodies_[i]);
       push.first = seen.first;
       push.object = static_cast<std::uint32_t>(seen.body.object);
       push.eta = static_cast<float>(seen.body.eta);
       push.origin = seen.body.domain.frame.origin;
       push.h = seen.body.domain.frame.h;
-      gpu::Bindings bindings = shared;
-      bindings.push_back({"cut_index", seen.body.domain.cut_index});
-      bindings.push_back({"cut_cells", seen.body.domain.cut_cells});
-      bindings.push_back({"lost", lost});
-      commands.dispatch(facets_pass_, {push.sides, push.directions, 1}, bindings, push);
+      gpu::Bindings all = bindings(hits, i);
+      all.push_back({"cut_index", seen.body.domain.cut_index});
+      all.push_back({"cut_cells", seen.body.domain.cut_cells});
+      all.push_back({"lost", lost});
+      commands.dispatch(facets_pass_, {push.sides, push.directions, 1}, all, push);
     }
-    if (!places) continue;
-    gpu::Bindings bindings = shared;
-    bindings.push_back({"count", slots});
-    bindings.push_back({"places", receivers});
-    bindings.push_back({"transmitted", transmitted_});
-    for (std::size_t o = 0; o < objects; ++o) {
-      if (!met[o] || scene.objects[o].role != Role::opaque || scene.objects[o].albedo == glm::vec3(0)) continue;
-      push.object = static_cast<std::uint32_t>(o);
-      push.first = entries_;
-      push.albedo = scene.objects[o].albedo;
-      commands.dispatch(opaque_pass_, {push.sides, push.directions, 1}, bindings, push);
-    }
-  }
-  if (places) {
-    lighting.record_gather(commands, receivers, places, 1, irradiance);
-    commands.dispatch(opaque_light_pass_, {places, 1, 1}, {{"irradiance", irradiance}, {"transmitted", transmitted_}},
-                      OpaqueLightPush{entries_, places});
   }
   commands.submit();
-  counts_.lost = *static_cast<const std::uint32_t*>(lost.mapped());
+  for (const Part& seen : bodies_) counts_.translucent += met(hits, static_cast<std::size_t>(seen.body.object));
+  counts_.lost = gpu::download<std::uint32_t>(context_, lost)[0];
+}
+
+/// Opaque places are emitters behind the facets, those of one share of the lights after those of another.
+void Exchange::link_opaque(const Scene& scene, const Lighting& lighting, const Hits& hits) {
+  std::vector<std::uint32_t> places_of(shares_);
+  for (std::size_t o = 0; o < scene.objects.size(); ++o)
+    for (std::uint32_t share = 0; share < shares_; ++share)
+      if (reflects(scene.objects[o])) places_of[share] += hits.on[o * shares_ + share];
+  const std::uint32_t places = std::accumulate(places_of.begin(), places_of.end(), 0u);
+  counts_.opaque = places;
+  if (std::uint64_t(entries_) + places > link_emitters)
+    throw UserError(scene.path + ": light between surfaces has more than " + std::to_string(link_emitters) +
+                    " emitters; choose a coarser --grid or --interreflections 0");
+  transmitted_ = gpu::Buffer(context_, (std::size_t(entries_) + places) * sizeof(glm::vec3), "radiance sent");
+  known_transmitted_ = gpu::Buffer(context_, transmitted_.bytes(), "radiance known");
+  gpu::Commands commands(context_);
+  commands.fill(transmitted_);
+  if (!places) return commands.submit();
+
+  const gpu::Buffer receivers(context_, places * sizeof(Receiver), "opaque places");
+  const gpu::Buffer irradiance(context_, places * sizeof(glm::vec3), "irradiance of opaque places");
+  const gpu::Buffer& slots = commands.keep(gpu::Buffer(context_, sizeof(std::uint32_t), "opaque links"));
+  commands.fill(slots);
+  for (std::uint32_t share = 0; share < shares_; ++share)
+    for (std::size_t i = 0; i < bodies_.size(); ++i) {
+      const auto timer = commands.time("links");
+      gpu::Bindings all = bindings(hits, i);
+      all.push_back({"count", slots});
+      all.push_back({"places", receivers});
+      all.push_back({"transmitted", transmitted_});
+      LinkPush push = link_push(bodies_[i]);
+      push.first = entries_;
+      push.share = share;
+      for (std::size_t o = 0; o < scene.objects.size(); ++o) {
+        if (!met(hits, o) || !reflects(scene.objects[o])) continue;
+        push.object = static_cast<std::uint32_t>(o);
+        push.albedo = scene.objects[o].albedo;
+        commands.dispatch(opaque_pass_, {push.sides, (push.directions + shares_ - 1) / shares_, 1}, all, push);
+      }
+    }
+  lighting.record_shared_gather(commands, receivers, places_of, irradiance);
+  commands.dispatch(opaque_light_pass_, {places, 1, 1}, {{"irradiance", irradiance}, {"transmitted", transmitted_}},
+                    OpaqueLightPush{entries_, places});
+  commands.submit();
 }
 
 void Exchange::record_gather(gpu::Commands& commands, std::size_t body) {

@@ -71,11 +71,21 @@ class Exchange {
     std::uint32_t first = 0;  // emitter of entry 0
     gpu::Buffer side_buffer, side_of, links, irradiance;
   };
-  void find_links(const Scene& scene, const Lighting& lighting);
+  struct Hits {  // of the links' rays
+    gpu::Bindings tree;
+    std::vector<gpu::Buffer> of_bodies;  // RayHit [direction][side]
+    std::vector<std::uint32_t> on;       // [object][share of the light samples]
+  };
+  Hits trace(const Scene& scene, const Lighting& lighting);
+  std::uint32_t met(const Hits& hits, std::size_t object) const;
+  void link_facets(const Hits& hits);
+  void link_opaque(const Scene& scene, const Lighting& lighting, const Hits& hits);
   LinkPush link_push(const Part& part) const;
+  gpu::Bindings bindings(const Hits& hits, std::size_t body) const;
 
   gpu::Context& context_;
   int directions_;
+  std::uint32_t shares_;  // of the light samples: most_light_shares
   glm::vec3 environment_;
   std::uint32_t entries_ = 0;  // of all bodies
   gpu::Pass links_pass_, facets_pass_, opaque_pass_, opaque_light_pass_, gather_pass_;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "lighting/shadow_views.h"
 #include "scene/error.h"
@@ -146,38 +147,65 @@ void Lighting::record_shadow_maps(gpu::Commands& commands) const {
   });
 }
 
+struct Lighting::Gather {
+  const gpu::Buffer &receivers, &flux;
+  std::vector<std::uint32_t> shares;  // receivers of each
+  double eta;
+  bool environment;
+};
+
 void Lighting::record_gather(gpu::Commands& commands, const gpu::Buffer& receivers, std::uint32_t count, double eta,
                              const gpu::Buffer& flux, bool environment) const {
+  record(commands, {receivers, flux, {count}, eta, environment});
+}
+
+void Lighting::record_shared_gather(gpu::Commands& commands, const gpu::Buffer& receivers,
+                                    const std::vector<std::uint32_t>& shares, const gpu::Buffer& irradiance) const {
+  record(commands, {receivers, irradiance, shares, 1, true});
+}
+
+void Lighting::record(gpu::Commands& commands, const Gather& gather) const {
   const auto timer = commands.time("gather");
-  commands.fill(flux);
+  commands.fill(gather.flux);
+  const std::uint32_t count = std::accumulate(gather.shares.begin(), gather.shares.end(), 0u);
   if (count == 0) return;
-  environment = environment && samples_.environment != glm::vec3(0);
+  const bool environment = gather.environment && samples_.environment != glm::vec3(0);
   const gpu::Buffer& openness =
       commands.keep(gpu::Buffer(context_, (environment ? count : 1) * sizeof(glm::vec2), "openness"));
   gpu::Bindings all = bindings();
-  all.push_back({"receivers", receivers});
-  all.push_back({"flux", flux});
+  all.push_back({"receivers", gather.receivers});
+  all.push_back({"flux", gather.flux});
   all.push_back({"environment", openness});
   GatherPush push{};
-  push.receivers = count;
-  push.eta = static_cast<float>(eta);
-  push.f_dt_outer = static_cast<float>(1 - diffuse_reflectance(eta));
-  record_points(commands, all, push);
+  push.eta = static_cast<float>(gather.eta);
+  push.f_dt_outer = static_cast<float>(1 - diffuse_reflectance(gather.eta));
+  push.step = static_cast<std::uint32_t>(gather.shares.size());
+  for (push.point = 0; push.point < push.step; ++push.point) {
+    push.receivers = gather.shares[push.point];
+    if (push.receivers) record_points(commands, all, push);
+    push.first += push.receivers;
+  }
   if (!environment) return;
   commands.fill(openness);
+  push.first = 0;
+  push.receivers = count;
   record_directions(commands, all, push);
 }
 
 void Lighting::record_points(gpu::Commands& commands, const gpu::Bindings& bindings, GatherPush push) const {
   const glm::uvec3 threads(push.receivers, 1, 1);
   const auto points = static_cast<std::uint32_t>(point_maps_.size());
-  const auto one_map = [&](std::uint32_t i) { return i < points && point_maps_[i].y == 1; };
-  for (push.point = 0; push.point < points; push.point += push.count) {
+  for (; push.point < points; push.point += push.count * push.step) {
     push.map = point_maps_[push.point].x;
-    push.count = 1;
-    const bool one = one_map(push.point);
-    while (one && push.count < gather_at_once && one_map(push.point + push.count)) ++push.count;
-    commands.dispatch(*gather_[one ? gather_one_map : gather_other_maps], threads, bindings, push);
+    push.count = 0;
+    const auto follows = [&] {  // the next point has one map, and that lies as far on as the point
+      const std::uint32_t on = push.count * push.step;
+      return push.point + on < points && point_maps_[push.point + on] == glm::uvec2(push.map + on, 1);
+    };
+    while (push.count < gather_at_once && follows()) ++push.count;
+    const int part = push.count ? gather_one_map : gather_other_maps;
+    push.count = std::max(push.count, 1u);
+    commands.dispatch(*gather_[part], threads, bindings, push);
   }
 }
 

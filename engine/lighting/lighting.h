@@ -32,6 +32,10 @@ class Lighting {
   /// Stage "gather".
   void record_gather(gpu::Commands& commands, const gpu::Buffer& receivers, std::uint32_t count, double eta,
                      const gpu::Buffer& flux, bool environment = true) const;
+  /// Irradiance as above from one in shares.size() of the light points: the first shares[0] receivers ask points 0, n,
+  /// 2 n, ... for n of them each, the next shares[1] points 1, n + 1, ..., and so on.
+  void record_shared_gather(gpu::Commands& commands, const gpu::Buffer& receivers,
+                            const std::vector<std::uint32_t>& shares, const gpu::Buffer& irradiance) const;
 
   /// What a shader that includes lighting/gather.glsl needs.
   gpu::Bindings bindings() const;
@@ -50,6 +54,8 @@ class Lighting {
     glm::mat4 to_clip;
     int skip;  // object that casts no shadow in it: the light itself; -1 none
   };
+  struct Gather;
+  void record(gpu::Commands& commands, const Gather& gather) const;
   void record_points(gpu::Commands& commands, const gpu::Bindings& bindings, GatherPush push) const;
   void record_directions(gpu::Commands& commands, const gpu::Bindings& bindings, GatherPush push) const;
   void make_views(const Scene& scene, const LightSettings& settings);

@@ -29,12 +29,12 @@ vec2 from_direction(Receiver r, uint map) {
 }
 
 // gather_at_once of them, written out: the index of a loop is not known to be the same for all threads.
-#define POINT(k) if (k < push.count) sum += from_point(r, push.point + k, push.map + k);
+#define POINT(k) if (k < push.count) sum += from_point(r, push.point + k * push.step, push.map + k * push.step);
 #define DIRECTION(k) if (k < push.count) open += from_direction(r, push.map + k);
 
 void main() {
-  const uint i = gl_GlobalInvocationID.x;
-  if (i >= push.receivers) return;
+  if (gl_GlobalInvocationID.x >= push.receivers) return;
+  const uint i = push.first + gl_GlobalInvocationID.x;
   const Receiver r = receivers[i];
   vec3 sum = vec3(0);
   if (part == gather_one_map) {
@@ -49,5 +49,5 @@ void main() {
     if (push.last != 0)
       sum = lighting.environment * (3.14159265358979 * push.f_dt_outer * (open.y > 0 ? 1 - open.x / open.y : 1));
   }
-  flux[i] += sum;
+  flux[i] += part == gather_directions ? sum : float(push.step) * sum;
 }

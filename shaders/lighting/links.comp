@@ -10,7 +10,7 @@ layout(binding = 2, scalar) readonly buffer Sides { ExchangeSide sides[]; };
 layout(binding = 3, scalar) readonly buffer Receivers { Receiver receivers[]; };
 layout(binding = 4, scalar) writeonly buffer Hits { RayHit hits[]; };  // [direction][side]
 layout(binding = 5, scalar) writeonly buffer Links { uint links[]; };   // [direction][side]
-layout(binding = 6, scalar) buffer Counts { uint counts[]; };           // hits on each object
+layout(binding = 6, scalar) buffer Counts { uint counts[]; };           // hits on each object, [object][share]
 
 void main() {
   const uint i = gl_GlobalInvocationID.x, k = gl_GlobalInvocationID.y;
@@ -20,5 +20,5 @@ void main() {
       trace_ray(link_origin(r), link_direction(r.normal, sides[i].entry, k, push.directions), 0, 3e38);
   hits[k * push.sides + i] = hit;
   links[k * push.sides + i] = hit.triangle == ray_missed ? link_open : link_dark;
-  if (hit.triangle != ray_missed) atomicAdd(counts[ray_triangle(hit.triangle).object], 1);
+  if (hit.triangle != ray_missed) atomicAdd(counts[ray_triangle(hit.triangle).object * push.shares + k % push.shares], 1);
 }

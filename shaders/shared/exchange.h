@@ -17,6 +17,10 @@ const uint link_open = 0xffffffffu;  // the environment
 const uint link_dark = 0xfffffffeu;  // something that sends nothing (or is gathered otherwise: a light source)
 const uint link_emitters = 0xfffffeu;
 
+// Opaque places are lit by one in so many of the light samples at most, those in direction k of a facet by other ones than
+// those in k + 1: all of a facet's places together have asked all.
+const uint most_light_shares = 4;
+
 struct LinkPush {
   uint sides;       // ExchangeSide
   uint directions;
@@ -26,6 +30,8 @@ struct LinkPush {
   vec3 origin;      // link_facets: grid of what is hit, m
   float h;          // m
   vec3 albedo;      // link_opaque: of what is hit
+  uint shares;      // links, link_opaque: of the light samples; direction k asks share k % shares
+  uint share;       // link_opaque: which
 };
 
 struct ExchangePush {

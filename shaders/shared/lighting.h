@@ -70,8 +70,9 @@ struct GatherPush {
   uint receivers;
   float eta;         // index inside / outside; 1 gathers plain irradiance
   float f_dt_outer;  // 1 - F_dr of diffuse light from outside
-  uint point, map;   // the first; the others follow
-  uint count;
+  uint first;        // of the receivers
+  uint point, map;   // the first; the others follow, every step-th, and count as often as those between them
+  uint count, step;
   uint last;         // 1: no directions are left
 };
 

@@ -48,6 +48,42 @@ TEST_F(LightingGather, EqualsItsTwinWithoutShadows) {
   }
 }
 
+// Shares of the light points: each part of the receivers against the twin with the points of its share alone, n-fold. The
+// lights are an area light, whose points follow each other's maps, and a point light, which has six.
+TEST_F(LightingGather, SharedGatherEqualsTwin) {
+  Scene scene;
+  scene.objects = {make_object(Role::translucent, icosphere(1, 0.01f)),
+                   make_light(light_quad(0.7f, {1, 2, 0.5}), {300, 200, 100})};
+  scene.lights.push_back({});
+  scene.lights.back().intensity = {5, 4, 3};
+  scene.lights.back().position = {-1, 2, 0.3f};
+  const LitScene lit(context, scene, {21, 0, 64});
+  const std::size_t points = lit.lighting.samples().area.size();
+  EXPECT_GT(points, 12u);
+  std::mt19937 random(7);
+  std::uniform_real_distribution<float> uniform(-1, 1);
+  std::vector<Receiver> receivers;
+  for (int i = 0; i < 90; ++i)
+    receivers.push_back({glm::vec3(0.3f, 1, 0.2f) + 0.3f * glm::vec3(uniform(random), uniform(random), uniform(random)),
+                         glm::normalize(glm::vec3(uniform(random), uniform(random), uniform(random))), 0});
+  const std::vector<std::uint32_t> shares = {50, 0, 40};
+  const gpu::Buffer in = gpu::make_buffer(context, receivers, "receivers");
+  const gpu::Buffer out(context, receivers.size() * sizeof(glm::vec3), "irradiance");
+  gpu::Commands commands(context);
+  lit.lighting.record_shared_gather(commands, in, shares, out);
+  commands.submit();
+  const std::vector<glm::vec3> flux = gpu::download<glm::vec3>(context, out);
+  std::vector<glm::dvec3> twin;
+  double scale = 0;
+  for (std::size_t i = 0; i < receivers.size(); ++i) {
+    LightSamples share;
+    for (std::size_t k = i < 50 ? 0 : 2; k < points; k += 3) share.area.push_back(lit.lighting.samples().area[k]);
+    twin.push_back(3.0 * exact_flux(scene, share, receivers[i], 1, false));
+    scale = std::max(scale, glm::length(twin.back()));
+  }
+  EXPECT_LT(worst_difference(std::vector<glm::vec3>(flux.begin(), flux.begin() + 90), twin, scale), 1e-5);
+}
+
 TEST_F(LightingGather, UnblockedEnvironmentIsExact) {
   Scene scene;
   scene.objects = {make_object(Role::translucent, ellipsoid(4, {1, 0.6f, 0.3f}))};
