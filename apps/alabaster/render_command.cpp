@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
+#include <future>
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -42,6 +43,18 @@ Request request_of(const Arguments& a) {
   return request;
 }
 
+/// Opened while the scene is being read.
+struct Device {
+  explicit Device(const std::string& name) {
+    gpu::ContextOptions options;
+    options.device = name;
+    context = std::make_unique<gpu::Context>(options);
+    pipelines = std::make_unique<Pipelines>(*context);
+  }
+  std::unique_ptr<gpu::Context> context;
+  std::unique_ptr<Pipelines> pipelines;
+};
+
 void run(const Arguments& a) {
   using Clock = std::chrono::steady_clock;
   const auto milliseconds = [](Clock::time_point since) {
@@ -51,18 +64,18 @@ void run(const Arguments& a) {
     if (!path.empty()) check_writable(path);
 
   auto start = Clock::now();
+  std::future<Device> opening = std::async(std::launch::async, [&] { return Device(a.device); });
   const Scene scene = load_scene(a.scene);
   print_warnings(scene);
   const double load_ms = milliseconds(start);
 
   start = Clock::now();
-  gpu::ContextOptions device;
-  device.device = a.device;
-  gpu::Context context(device);
+  const Device device = opening.get();
+  gpu::Context& context = *device.context;
   const double device_ms = milliseconds(start);
 
   const Plan plan = make_plan(scene, request_of(a), context.info().heap_bytes);
-  RenderResult result = render_scene(context, scene, plan);
+  RenderResult result = render_scene(context, *device.pipelines, scene, plan);
   result.stages["load"] = load_ms;
   result.stages["device"] = device_ms;
   for (const std::string& warning : result.warnings) std::fprintf(stderr, "warning: %s\n", warning.c_str());
@@ -101,7 +114,9 @@ void add_render(CLI::App& app) {
   command->add_option("--transport", a->transport, "how light enters and leaves")
       ->check(CLI::IsMember(std::vector<std::string>(std::begin(transport_names), std::end(transport_names))))
       ->capture_default_str();
-  command->add_option("--components", a->components, "multiple,single,surface; without single, multiple carries it (default: by transport)")
+  command
+      ->add_option("--components", a->components,
+                   "multiple,single,surface; without single, multiple carries it (default: by transport)")
       ->delimiter(',')
       ->check(CLI::IsMember(std::vector<std::string>(std::begin(component_names), std::end(component_names))));
   command->add_option("--quality", a->quality, "preview, balanced, accurate")

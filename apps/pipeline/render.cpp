@@ -161,19 +161,11 @@ void keep_components(const std::set<Component>& wanted, Picture& picture) {
 }  // namespace
 
 RenderResult render_scene(gpu::Context& context, const Scene& scene, const Plan& plan) {
-  RenderResult result;
-  std::unique_ptr<DomainMaker> domains;
-  std::unique_ptr<DiffusionPasses> solver_passes;
-  std::unique_ptr<FluencePasses> fluence_passes;
-  std::unique_ptr<Shading> shading;
-  {
-    Stage stage(result, "pipelines");
-    domains = std::make_unique<DomainMaker>(context);
-    solver_passes = std::make_unique<DiffusionPasses>(context);
-    fluence_passes = std::make_unique<FluencePasses>(context);
-    shading = std::make_unique<Shading>(context);
-  }
+  return render_scene(context, Pipelines(context), scene, plan);
+}
 
+RenderResult render_scene(gpu::Context& context, const Pipelines& pipelines, const Scene& scene, const Plan& plan) {
+  RenderResult result;
   std::unique_ptr<SceneMeshes> meshes;
   std::unique_ptr<Lighting> lighting;
   {
@@ -196,7 +188,7 @@ RenderResult render_scene(gpu::Context& context, const Scene& scene, const Plan&
     body.object = i;
     {
       Stage stage(result, "cut cells");
-      body.domain = domains->make(object.mesh, choose_frame(bounds_of(object.mesh), plan.grid));
+      body.domain = pipelines.domains.make(object.mesh, choose_frame(bounds_of(object.mesh), plan.grid));
     }
     MediumSamples medium;
     {
@@ -206,7 +198,7 @@ RenderResult render_scene(gpu::Context& context, const Scene& scene, const Plan&
     }
     {
       Stage stage(result, "solver set-up");
-      body.diffusion = std::make_unique<Diffusion>(context, *solver_passes, *fluence_passes, body.domain,
+      body.diffusion = std::make_unique<Diffusion>(context, pipelines.solver, pipelines.fluence, body.domain,
                                                    std::move(medium), object.eta, options);
       body.light = std::make_unique<BodyLight>(context, plan.transport, body.domain, *body.diffusion, object.eta);
       if (body.light->beam())
@@ -244,7 +236,7 @@ RenderResult render_scene(gpu::Context& context, const Scene& scene, const Plan&
                               body->single.get(),
                               body->straight.get()});
   }
-  result.shaded = shading->shade(input);
+  result.shaded = pipelines.shading.shade(input);
   keep_components(plan.components, result.shaded.picture);
   return result;
 }

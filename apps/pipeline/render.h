@@ -35,6 +35,18 @@ struct RenderResult {
   std::vector<std::string> warnings;
 };
 
+/// The pipelines that every picture needs, made once for a context. They go on being made in the background when the
+/// constructor has returned.
+struct Pipelines {
+  explicit Pipelines(gpu::Context& context) : domains(context), solver(context), fluence(context), shading(context) {}
+  DomainMaker domains;
+  DiffusionPasses solver;
+  FluencePasses fluence;
+  Shading shading;
+};
+
+RenderResult render_scene(gpu::Context& context, const Pipelines& pipelines, const Scene& scene, const Plan& plan);
+/// With pipelines of its own.
 RenderResult render_scene(gpu::Context& context, const Scene& scene, const Plan& plan);
 
 }  // namespace alabaster

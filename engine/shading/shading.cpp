@@ -1,5 +1,8 @@
 #include "shading/shading.h"
 
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -142,23 +145,35 @@ void check_frame(const Frame& frame) {
                     " has no pixels; choose a positive width and height");
 }
 
+/// One of the images of sums, on the host.
+class PixelSums {
+ public:
+  PixelSums(gpu::Context& context, const gpu::Image& image) : copy_(gpu::host_copy(context, image)) {}
+  const glm::vec4& operator[](std::size_t pixel) const { return static_cast<const glm::vec4*>(copy_.mapped())[pixel]; }
+
+ private:
+  gpu::Buffer copy_;
+};
+
 /// From the pixel sums to named planes.
 ShadedPicture planes(gpu::Context& context, const Sums& sums, glm::ivec2 size, bool with_single) {
-  const auto multiple = gpu::download<glm::vec4>(context, sums.multiple);
-  const auto single = gpu::download<glm::vec4>(context, sums.single);
-  const auto surface = gpu::download<glm::vec4>(context, sums.surface);
-  const auto fluence = gpu::download<glm::vec4>(context, sums.fluence);
-  const auto gamma_s = gpu::download<glm::vec4>(context, sums.gamma_s);
-  const auto normals = gpu::download<glm::vec4>(context, sums.normals);
+  const PixelSums multiple(context, sums.multiple);
+  const PixelSums single(context, sums.single);
+  const PixelSums surface(context, sums.surface);
+  const PixelSums fluence(context, sums.fluence);
+  const PixelSums gamma_s(context, sums.gamma_s);
+  const PixelSums normals(context, sums.normals);
 
   ShadedPicture result;
   Picture& picture = result.picture;
   picture.width = size.x;
   picture.height = size.y;
-  const std::size_t n = multiple.size();
+  const std::size_t n = std::size_t(size.x) * std::size_t(size.y);
   const auto fill = [&](const std::string& name, auto value) {
     std::vector<float>& plane = picture.plane(name);
-    for (std::size_t i = 0; i < n; ++i) plane[i] = value(i);
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, n), [&](const auto& part) {
+      for (std::size_t i = part.begin(); i < part.end(); ++i) plane[i] = value(i);
+    });
   };
   const auto mean = [](float sum, float share) { return share > 0 ? sum / share : 0.0f; };
   const char* const rgb[] = {"R", "G", "B"};
