@@ -170,12 +170,15 @@ RenderResult render_scene(gpu::Context& context, const Pipelines& pipelines, con
   std::unique_ptr<Lighting> lighting;
   {
     Stage stage(result, "shadow maps");
-    meshes = std::make_unique<SceneMeshes>(upload_meshes(context, scene));
+    meshes = std::make_unique<SceneMeshes>(upload_surfaces(context, scene));
     lighting = std::make_unique<Lighting>(
         context, scene, *meshes, LightSettings{plan.light_samples, plan.environment_samples, plan.shadow_map_size});
     gpu::Commands commands(context);
     lighting->record_shadow_maps(commands);
-    commands.submit();
+    commands.start();
+    const RayTree tree = make_ray_tree(scene);
+    commands.wait();
+    meshes->rays = upload_ray_tree(context, tree);
   }
 
   SolverOptions options;

@@ -22,6 +22,7 @@ Commands::Commands(Context& context) : context_(context) {
 }
 
 Commands::~Commands() {
+  if (running_) vkWaitForFences(context_.device(), 1, &fence_, VK_TRUE, UINT64_MAX);
   vkDestroyQueryPool(context_.device(), queries_, nullptr);
   vkDestroyFence(context_.device(), fence_, nullptr);
   vkFreeCommandBuffers(context_.device(), context_.command_pool(), 1, &commands_);
@@ -182,6 +183,11 @@ Commands::Scope::~Scope() {
 }
 
 void Commands::submit() {
+  start();
+  wait();
+}
+
+void Commands::start() {
   if (recording_) check(vkEndCommandBuffer(commands_), "vkEndCommandBuffer");
   recording_ = false;
   VkCommandBufferSubmitInfo buffer{VK_STRUCTURE_TYPE_COMMAND_BUFFER_SUBMIT_INFO};
@@ -191,7 +197,12 @@ void Commands::submit() {
   info.pCommandBufferInfos = &buffer;
   check(vkResetFences(context_.device(), 1, &fence_), "vkResetFences");
   check(vkQueueSubmit2(context_.queue(), 1, &info, fence_), "vkQueueSubmit2");
+  running_ = true;
+}
+
+void Commands::wait() {
   check(vkWaitForFences(context_.device(), 1, &fence_, VK_TRUE, UINT64_MAX), "vkWaitForFences");
+  running_ = false;
   collect_timings();
 }
 

@@ -88,6 +88,9 @@ class Commands {
 
   /// Ends the recording (once), runs it and waits. May be called again: the same commands run again.
   void submit();
+  /// submit() in two steps, for work on the CPU in between; only such work that uses nothing of what these commands use.
+  void start();
+  void wait();
 
   Context& context() { return context_; }
   VkCommandBuffer handle() const { return commands_; }
@@ -109,7 +112,7 @@ class Commands {
   std::deque<Buffer> kept_;
   std::vector<std::string> stages_;  // one timer row each: queries 2 * row and 2 * row + 1
   bool barriers_ = true;
-  bool recording_ = true;
+  bool recording_ = true, running_ = false;
 };
 
 }  // namespace alabaster::gpu

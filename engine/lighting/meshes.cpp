@@ -28,7 +28,7 @@ std::vector<glm::uvec3> along_curve(const Mesh& mesh, const Bounds& bounds) {
 
 }  // namespace
 
-SceneMeshes upload_meshes(gpu::Context& context, const Scene& scene) {
+SceneMeshes upload_surfaces(gpu::Context& context, const Scene& scene) {
   SceneMeshes meshes;
   std::vector<glm::vec3> positions;
   std::vector<glm::uvec3> triangles;
@@ -52,6 +52,11 @@ SceneMeshes upload_meshes(gpu::Context& context, const Scene& scene) {
   }
   meshes.positions = gpu::make_buffer(context, positions, "mesh positions");
   meshes.triangles = gpu::make_buffer(context, triangles, "mesh triangles");
+  return meshes;
+}
+
+SceneMeshes upload_meshes(gpu::Context& context, const Scene& scene) {
+  SceneMeshes meshes = upload_surfaces(context, scene);
   meshes.rays = upload_ray_tree(context, make_ray_tree(scene));
   return meshes;
 }

@@ -26,5 +26,7 @@ struct SceneMeshes {
 
 /// Objects keep their order; triangles and vertices inside one are sorted along a space-filling curve.
 SceneMeshes upload_meshes(gpu::Context& context, const Scene& scene);
+/// Without `rays`.
+SceneMeshes upload_surfaces(gpu::Context& context, const Scene& scene);
 
 }  // namespace alabaster
