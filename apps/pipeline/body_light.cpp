@@ -4,12 +4,14 @@
 
 namespace alabaster {
 
-BodyLight::BodyLight(gpu::Context& context, Transport transport, const Domain& domain, const Diffusion& diffusion,
-                     double eta)
+BodyLight::BodyLight(gpu::Context& context, Transport transport, const Mesh& mesh, const Domain& domain,
+                     const Diffusion& diffusion, double eta)
     : diffusion_(diffusion), eta_(eta), facets_(context, domain), add_(context, "lighting/add_source.comp") {
   if (transport == Transport::directional) directional_ = std::make_unique<DirectionalSource>(context, domain);
   if (transport == Transport::beam || transport == Transport::gather)
-    beam_ = std::make_unique<BeamSource>(context, domain, diffusion.channels());
+    beam_ = std::make_unique<BeamSource>(
+        context, domain, mesh_starts(mesh, domain.frame, gpu::download<GpuCutCell>(context, domain.cut_cells)),
+        diffusion.channels());
   if (!apart()) return;
   const std::size_t bytes = facets_.count() * sizeof(glm::vec3);
   gamma_s_ = gpu::Buffer(context, bytes, "Gamma of all light");

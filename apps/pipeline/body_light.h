@@ -16,7 +16,8 @@ namespace alabaster {
 class BodyLight {
  public:
   /// `domain` and `diffusion` outlive this.
-  BodyLight(gpu::Context& context, Transport transport, const Domain& domain, const Diffusion& diffusion, double eta);
+  BodyLight(gpu::Context& context, Transport transport, const Mesh& mesh, const Domain& domain,
+            const Diffusion& diffusion, double eta);
 
   /// The lights, where no surface sends light to another. The shadow maps of `lighting` have been recorded.
   void record_lights(gpu::Commands& commands, const Lighting& lighting);

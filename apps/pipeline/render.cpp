@@ -203,7 +203,8 @@ RenderResult render_scene(gpu::Context& context, const Pipelines& pipelines, con
       Stage stage(result, "solver set-up");
       body.diffusion = std::make_unique<Diffusion>(context, pipelines.solver, pipelines.fluence, body.domain,
                                                    std::move(medium), object.eta, options);
-      body.light = std::make_unique<BodyLight>(context, plan.transport, body.domain, *body.diffusion, object.eta);
+      body.light =
+          std::make_unique<BodyLight>(context, plan.transport, object.mesh, body.domain, *body.diffusion, object.eta);
       if (body.light->beam())
         body.straight = std::make_unique<Straight>(context, body.domain, *body.diffusion, object.eta);
       if (plan.transport == Transport::gather)

@@ -74,6 +74,36 @@ std::array<int, 2> cell_range(const Polygon& triangle, int axis, double normal) 
   return {int(std::floor(low)), int(std::ceil(high)) - 1};
 }
 
+/// Each triangle clipped to each cell that it meets: visit(cell, polygon, unit normal).
+template <class Visit>
+void for_each_polygon(const Mesh& mesh, const GridFrame& frame, const Visit& visit) {
+  const std::vector<glm::vec3> positions = grid_positions(mesh, frame);
+  for (glm::uvec3 t : mesh.triangles) {
+    Polygon triangle;
+    for (int c = 0; c < 3; ++c) triangle.add(positions[t[c]]);
+    const auto& p = triangle.corner;
+    glm::dvec3 normal = glm::cross(p[1] - p[0], p[2] - p[0]);
+    if (normal == glm::dvec3(0)) continue;
+    normal = glm::normalize(normal);
+    const auto rx = cell_range(triangle, 0, normal.x), ry = cell_range(triangle, 1, normal.y),
+               rz = cell_range(triangle, 2, normal.z);
+    if (rx[0] == rx[1] && ry[0] == ry[1] && rz[0] == rz[1]) {
+      visit(glm::ivec3(rx[0], ry[0], rz[0]), triangle, normal);
+      continue;
+    }
+    for (int z = rz[0]; z <= rz[1]; ++z) {
+      const Polygon in_z = clip(clip(triangle, 2, z, -1), 2, z + 1, 1);
+      for (int y = ry[0]; y <= ry[1] && in_z.count > 2; ++y) {
+        const Polygon in_y = clip(clip(in_z, 1, y, -1), 1, y + 1, 1);
+        for (int x = rx[0]; x <= rx[1] && in_y.count > 2; ++x) {
+          const Polygon piece = clip(clip(in_y, 0, x, -1), 0, x + 1, 1);
+          if (piece.count > 2) visit(glm::ivec3(x, y, z), piece, normal);
+        }
+      }
+    }
+  }
+}
+
 /// What a cell gives away where a slit runs through it: a sheet and the piece behind it, to the next cell along `axis`.
 struct Gift {
   int axis = -1;
@@ -134,8 +164,9 @@ class Cutter {
     out_.cut_index.assign(n, -1);
     slot_.assign(n, -1);
     stride_ = {1, std::size_t(frame.cells.x), std::size_t(frame.cells.x) * frame.cells.y};
-    std::vector<glm::vec3> positions = grid_positions(mesh, frame);
-    for (glm::uvec3 t : mesh.triangles) add_triangle({positions[t.x], positions[t.y], positions[t.z]});
+    for_each_polygon(mesh, frame, [this](glm::ivec3 cell, const Polygon& piece, glm::dvec3 normal) {
+      add_piece(cell, piece, normal);
+    });
   }
 
   CutCells cut() {
@@ -147,27 +178,7 @@ class Cutter {
   }
 
  private:
-  void add_triangle(const std::array<glm::dvec3, 3>& p) {
-    glm::dvec3 normal = glm::cross(p[1] - p[0], p[2] - p[0]);
-    if (normal == glm::dvec3(0)) return;
-    normal = glm::normalize(normal);
-    Polygon triangle;
-    for (glm::dvec3 q : p) triangle.add(q);
-    auto rx = cell_range(triangle, 0, normal.x), ry = cell_range(triangle, 1, normal.y),
-         rz = cell_range(triangle, 2, normal.z);
-    for (int z = rz[0]; z <= rz[1]; ++z) {
-      Polygon in_z = clip(clip(triangle, 2, z, -1), 2, z + 1, 1);
-      for (int y = ry[0]; y <= ry[1] && in_z.count > 2; ++y) {
-        Polygon in_y = clip(clip(in_z, 1, y, -1), 1, y + 1, 1);
-        for (int x = rx[0]; x <= rx[1] && in_y.count > 2; ++x) {
-          Polygon piece = clip(clip(in_y, 0, x, -1), 0, x + 1, 1);
-          if (piece.count > 2) add_piece({x, y, z}, piece, normal);
-        }
-      }
-    }
-  }
-
-  void add_piece(glm::ivec3 cell, Polygon& piece, glm::dvec3 normal) {
+  void add_piece(glm::ivec3 cell, Polygon piece, glm::dvec3 normal) {
     for (int c = 0; c < piece.count; ++c) piece.corner[c] -= glm::dvec3(cell);
     add_polygon(sums_of(out_.index(cell))[facet_class(normal)], piece, normal);
   }
@@ -351,6 +362,16 @@ class Cutter {
 }  // namespace
 
 CutCells cut_cells(const Mesh& mesh, const GridFrame& frame) { return Cutter(mesh, frame).cut(); }
+
+std::vector<SurfacePiece> surface_pieces(const Mesh& mesh, const GridFrame& frame) {
+  std::vector<SurfacePiece> pieces;
+  for_each_polygon(mesh, frame, [&](glm::ivec3 cell, const Polygon& polygon, glm::dvec3 normal) {
+    Sums sums;
+    add_polygon(sums, polygon, normal);
+    if (sums.S > 0) pieces.push_back({cell, sums.S, sums.X / sums.S, normal});
+  });
+  return pieces;
+}
 
 glm::dvec3 CutCells::centroid(glm::ivec3 cell) const {
   const CutCell* cut = find(cell);

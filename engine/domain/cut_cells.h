@@ -82,4 +82,15 @@ inline int facet_class(glm::dvec3 normal) {
 /// not overlap itself; where it does, volumes and apertures are clamped.
 CutCells cut_cells(const Mesh& mesh, const GridFrame& frame);
 
+/// A triangle's part in a cell.
+struct SurfacePiece {
+  glm::ivec3 cell{0};
+  double area = 0;         // h^2
+  glm::dvec3 centroid{0};  // h, from the grid's corner
+  glm::dvec3 normal{0};    // unit, outward
+};
+
+/// All of them, in the order of the triangles.
+std::vector<SurfacePiece> surface_pieces(const Mesh& mesh, const GridFrame& frame);
+
 }  // namespace alabaster

@@ -4,7 +4,7 @@
 
 namespace alabaster {
 
-static_assert(sizeof(BeamPush) == 80);
+static_assert(sizeof(BeamPush) == 96);
 
 namespace {
 
@@ -28,15 +28,18 @@ glm::dvec3 beam_unit(const LightSamples& lights, const GridFrame& frame) {
   return most * (4 * h * h / BEAM_MOST_UNITS);  // a facet is seldom larger than 2 h^2
 }
 
-BeamSource::BeamSource(gpu::Context& context, const Domain& domain, int channels)
+BeamSource::BeamSource(gpu::Context& context, const Domain& domain, const BeamStarts& starts, int channels)
     : domain_(domain),
       channels_(channels),
+      rounds_(starts.most),
       receivers_(context, domain),
       march_(context, "lighting/beam_march.comp"),
       source_(context, "lighting/beam_source.comp"),
       share_(context, "lighting/beam_through.comp", {0}),
       spread_(context, "lighting/beam_through.comp", {1}),
       counters_(context, 2 * 3 * BEAM_COUNTERS * sizeof(std::uint32_t), "beam counters", gpu::Memory::host),
+      starts_(gpu::make_buffer(context, starts.starts, "beam starts")),
+      starts_of_(gpu::make_buffer(context, starts.of, "beam starts of facets")),
       leaving_(context, 2 * 3 * receivers_.count() * sizeof(std::uint32_t), "beams that leave"),
       gamma_s_(context, receivers_.count() * sizeof(glm::vec3), "beam Gamma_f"),
       query_gamma_(context, receivers_.count() * sizeof(glm::vec3), "beam query Gamma"),
@@ -58,7 +61,8 @@ void BeamSource::record(gpu::Commands& commands, const Lighting& lighting, const
   const SurfaceOptics optics(eta);
   const glm::ivec3 n = domain_.frame.cells;
   unit_ = beam_unit(lighting.samples(), domain_.frame);
-  BeamPush push{n,
+  BeamPush push{domain_.frame.origin,
+                n,
                 static_cast<int>(receivers_.count() / 2),
                 channels_,
                 static_cast<float>(eta),
@@ -70,8 +74,11 @@ void BeamSource::record(gpu::Commands& commands, const Lighting& lighting, const
                 glm::vec3(unit_),
                 around.shape,
                 0,
+                0,
                 0};
-  for (const gpu::Buffer* sums : {&deposits_, &carries_, &counters_, &leaving_}) commands.fill(*sums);
+  for (const gpu::Buffer* sums :
+       {&deposits_, &carries_, &counters_, &leaving_, &gamma_s_, &query_gamma_, &entered_, &near_})
+    commands.fill(*sums);
   gpu::Bindings bindings = arrival_bindings(lighting, receivers_, around);
   for (const gpu::Binding& binding : gpu::Bindings{{"media", medium.facets},
                                                    {"cut_index", domain_.cut_index},
@@ -86,15 +93,18 @@ void BeamSource::record(gpu::Commands& commands, const Lighting& lighting, const
                                                    {"gamma_s", gamma_s_},
                                                    {"query_gamma", query_gamma_},
                                                    {"entered", entered_},
-                                                   {"near_light", near_}})
+                                                   {"near_light", near_},
+                                                   {"starts", starts_},
+                                                   {"starts_of", starts_of_}})
     bindings.push_back(binding);
   const LightSamples& lights = lighting.samples();
   const std::size_t samples =
       lights.area.size() + (around.shape.sides > 0 ? around.shape.directions : lights.directions.size());
-  for (; push.first == 0 || push.first < samples; push.first = push.end) {
-    push.end = push.first + samples_at_once(n);
-    commands.dispatch(march_, {push.count, 1, 1}, bindings, push);
-  }
+  for (push.round = 0; push.round < rounds_; ++push.round)
+    for (push.first = 0; push.first < samples; push.first = push.end) {
+      push.end = push.first + samples_at_once(n);
+      commands.dispatch(march_, {push.count, 1, 1}, bindings, push);
+    }
   commands.dispatch(source_, {n.x / 4, n.y, n.z * channels_},
                     {{"deposits", deposits_}, {"carries", carries_}, {"power", power_}}, push);
   const gpu::Bindings through{{"leaving", leaving_},

@@ -1,6 +1,7 @@
 // The volume source of refracted beams: every light sample marched from every facet into the cells.
 #pragma once
 
+#include "lighting/beam_starts.h"
 #include "lighting/directional_source.h"
 #include "shared/beam.h"
 
@@ -25,7 +26,7 @@ struct BeamMedium {
 
 class BeamSource {
  public:
-  BeamSource(gpu::Context& context, const Domain& domain, int channels);
+  BeamSource(gpu::Context& context, const Domain& domain, const BeamStarts& starts, int channels);
 
   /// Fills what is below. The shadow maps of `lighting` must have been recorded before. Stage "beams".
   void record(gpu::Commands& commands, const Lighting& lighting, const BeamMedium& medium, double eta,
@@ -47,9 +48,11 @@ class BeamSource {
  private:
   const Domain& domain_;
   int channels_;
+  std::uint32_t rounds_;  // as many as a facet has starts at most
   FacetReceivers receivers_;
   gpu::Pass march_, source_, share_, spread_;
-  gpu::Buffer deposits_, carries_, counters_, leaving_, gamma_s_, query_gamma_, entered_, near_, shares_, through_;
+  gpu::Buffer deposits_, carries_, counters_, starts_, starts_of_, leaving_, gamma_s_, query_gamma_, entered_, near_,
+      shares_, through_;
   gpu::Image power_;
   glm::dvec3 unit_{0};
 };

@@ -1,5 +1,5 @@
-// Marches light samples (push.first to push.end) from each facet into the object and lays down what they lose: one thread a cut
-// cell. What the facets keep is added to what the samples before left there.
+// Marches light samples (push.first to push.end) from one start of each facet (push.round) into the object and lays down what they
+// lose: one thread a cut cell. What the facets keep is added to what the samples and starts before left there.
 //
 // In each cell the beam loses units by exp(-sigma_t' s) with the cell's reduced coefficients; the scattered share becomes a
 // source, the rest is absorbed. A loss between two cells' centroids along the way is shared between them so that its mean depth
@@ -34,6 +34,8 @@ layout(binding = 13, scalar) buffer GammaS { vec3 gamma_s[]; };          // of t
 layout(binding = 14, scalar) buffer QueryGamma { vec3 query_gamma[]; };  // of the render query
 layout(binding = 15, scalar) buffer Entered { vec3 entered[]; };         // all that enters
 layout(binding = 16, scalar) buffer Near { vec4 near_light[]; };         // scattered near the facet, W/m^2; mean cosine
+layout(binding = 22, scalar) readonly buffer Starts { BeamStart starts[]; };
+layout(binding = 23, scalar) readonly buffer StartsOf { uvec2 starts_of[]; };  // first and count
 
 const int counter_words = 3 * BEAM_COUNTERS;
 // Cells (h): what is scattered nearer than this to its facet drives the boundary condition, where the object is that deep.
@@ -206,7 +208,8 @@ void march(Facet f, ivec3 cell, vec3 along, uvec3 units) {
     const uint cut = imageLoad(cut_index, w.cell).r;
     if (cut != 0) last = cut;
     const float out_at = leaves_at(w, cut, end, normal);
-    const bool leaves = out_at <= end;
+    // Where its cell's facet is bent the beam starts beside the facet's plane, which is no end then.
+    const bool leaves = out_at <= end && (out_at > 0.25 || mirrors > 0 || cut != f.index || dot(normal, f.normal) <= 0);
     if (leaves) end = out_at;
     cross_cell(w, end, s, f, mirrors == 0, beam, node);
     if (all(lessThanEqual(beam.left * BEAM_LEAST_SHARE, units))) {
@@ -237,37 +240,50 @@ float near_of(GpuFacet side, vec3 origin, vec3 normal) {
   return deep ? near_depth : min(side.distance, near_depth);
 }
 
+// Surfaces and the environment light all of a facet alike: the samples are shared out among its starts, by their areas.
+bool starts_here(uint sample_, uvec2 of, uint own, float area) {
+  float before = 0;
+  for (uint k = 0; k < own; ++k) before += starts[of.x + k].area;
+  const float place = area * fract((float(sample_) + 0.5) * 0.61803399);
+  return (own == 0 || place >= before) && (own + 1 == of.y || place < before + starts[of.x + own].area);
+}
+
 void light_side(uint index, int s) {
   const uint at = 2 * index + s;
   const GpuFacet side = cut_cells[index].side[s];
-  const Receiver receiver = receivers[at];
+  const uvec2 of = starts_of[at];
+  if (push.round >= of.y) return;
+  const BeamStart start = starts[of.x + push.round];
+  const Receiver around = receivers[at],
+                 receiver = Receiver(push.origin + push.h * start.position, start.normal, start.slack);
   const ivec3 own = cut_cells[index].cell;
-  Facet f = Facet(index, vec3(own) + side.centre, receiver.normal, 0, 0);
-  f.near = near_of(side, f.origin, f.normal);
-  // The middle of a piece of surface that a neighbour gave lies in that neighbour's cell.
-  const ivec3 cell = any(greaterThan(abs(side.centre - 0.5), vec3(0.51))) ? ivec3(floor(f.origin)) : own;
-  const Sky sky = sky_over(at, receiver, push.eta, push.f_dt_outer);
+  Facet f = Facet(index, start.position, start.normal, 0, 0);
+  // What a neighbour gave lies in that neighbour's cell.
+  const bool given = any(greaterThan(abs(start.position - vec3(own) - 0.5), vec3(0.51)));
+  const ivec3 cell = given ? ivec3(floor(f.origin - 1e-3 * f.normal)) : own;
+  const Sky sky = sky_over(at, around, push.eta, push.f_dt_outer);
   const float area = side.area * push.h * push.h;
   vec3 all = vec3(0);
   near_sum = boundary_sum = leaving_sum = vec3(0);
   near_cosine = 0;
   for (uint i = push.first; i < min(push.end, arrivals()); ++i) {
-    const Arrival light = arrival(i, receiver, push.eta, sky);
+    const bool lamp = i < lighting.points;
+    if (!lamp && !starts_here(i, of, push.round, side.area)) continue;
+    Arrival light = lamp ? point_arrival(points[i], receiver, push.eta) : arrival(i, around, push.eta, sky);
+    light.flux *= lamp ? start.area / side.area : 1;
     all += light.flux;
     uvec3 units = uvec3(0);
     for (int c = 0; c < push.channels; ++c)
       if (push.unit[c] > 0) units[c] = uint(min(floor(light.flux[c] * area / push.unit[c] + 0.5), BEAM_MOST_UNITS));
     if (units == uvec3(0)) continue;
+    f.normal = lamp ? receiver.normal : around.normal;
+    f.near = near_of(side, f.origin, f.normal);
     f.mu = max(refracted_cosine(light.cosine, push.eta), 1e-4);
     totals[BEAM_ENTERED] += units;
     march(f, cell, normalize((light.cosine * f.normal - light.towards) / push.eta - f.mu * f.normal), units);
   }
   count_totals();
   const vec3 flux = push.unit / area;
-  if (push.first == 0) {
-    gamma_s[at] = query_gamma[at] = entered[at] = vec3(0);
-    near_light[at] = vec4(0);
-  }
   for (int c = 0; c < push.channels; ++c) {  // the mean cosine is weighted with units
     if (flux[c] <= 0) continue;
     near_sum[c] += near_light[at][c] / flux[c];
@@ -284,14 +300,8 @@ void main() {
   const uint index = gl_GlobalInvocationID.x;
   if (index >= push.count) return;
   for (int k = 0; k < BEAM_COUNTERS; ++k) totals[k] = uvec3(0);
-  bool there[2];
-  for (int s = 0; s < 2; ++s) {
-    there[s] = index != 0 && cut_cells[index].side[s].area > 0 && receivers[2 * index + s].normal != vec3(0);
-    if (there[s]) continue;
-    gamma_s[2 * index + s] = query_gamma[2 * index + s] = entered[2 * index + s] = vec3(0);
-    near_light[2 * index + s] = vec4(0);
-  }
   // Most cells have one side: the lanes of a CPU march together then.
-  if (there[0] || there[1]) light_side(index, there[0] ? 0 : 1);
-  if (there[0] && there[1]) light_side(index, 1);
+  const int first = index == 0 || starts_of[2 * index].y > 0 ? 0 : 1;
+  if (starts_of[2 * index + first].y > 0) light_side(index, first);
+  if (first == 0 && starts_of[2 * index + 1].y > 0) light_side(index, 1);
 }

@@ -17,6 +17,8 @@ ALABASTER_BEGIN_SHARED
 // A beam with less than 1 / this of its units left in every channel is laid down where it is (7 mean free paths).
 #define BEAM_LEAST_SHARE 1024u
 #define BEAM_MOST_REFLECTIONS 4
+// Places of the mesh in one facet that beams start from.
+#define BEAM_MOST_STARTS 4
 
 // Where units went: counters [count][channel], low words, then high words.
 #define BEAM_ENTERED 0
@@ -26,7 +28,16 @@ ALABASTER_BEGIN_SHARED
 #define BEAM_THROUGH 4   // left unscattered
 #define BEAM_COUNTERS 5
 
+// A place of the mesh in a facet.
+struct BeamStart {
+  vec3 position;  // h, from the grid's corner
+  vec3 normal;    // unit, outward
+  float area;     // h^2
+  float slack;    // m, as a Receiver's
+};
+
 struct BeamPush {
+  vec3 origin;      // of the grid, m
   ivec3 cells;
   int count;        // of cut cells, entry 0 included
   int channels;     // 1 or 3
@@ -36,6 +47,7 @@ struct BeamPush {
   vec3 unit;         // W; 0: no light in the channel
   SkyLinks sky;
   uint first, end;   // of the samples: a part of them at a time, the end is past the last
+  uint round;        // which start of each facet
 };
 
 // Mean of t over [0, 1] weighted with exp(-x t): where in a segment of optical depth x a beam is lost.

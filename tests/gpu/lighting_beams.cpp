@@ -29,7 +29,7 @@ class LightingBeams : public GpuTest {
 
   Marched march(const Scene& scene, Body& body, int channels, double eta) {
     const LitScene lit(context, scene, {1, 16, 512});
-    BeamSource beam(context, body.domain(), channels);
+    BeamSource beam(context, body.domain(), facet_starts(body.domain().frame, body.cut_cells()), channels);
     const Diffusion& d = body.diffusion();
     gpu::Commands commands(context);
     beam.record(commands, lit.lighting, {d.kappa(), d.absorption(), d.facet_medium(), d.kappa_scale(), channels}, eta);
@@ -205,7 +205,7 @@ TEST_F(LightingBeams, ManySamplesInAThinMedium) {
   Body body(
       context, mesh, 20, [=](glm::dvec3) { return point; }, 3, eta);
   const LitScene lit(context, scene, {96, 32, 64});
-  BeamSource beam(context, body.domain(), 3);
+  BeamSource beam(context, body.domain(), facet_starts(body.domain().frame, body.cut_cells()), 3);
   const FacetSource facets(context, body.domain());
   const Diffusion& d = body.diffusion();
   gpu::Commands commands(context);
