@@ -12,6 +12,8 @@
 namespace alabaster {
 namespace {
 
+constexpr int most_pixels_of_a_small_picture = 320 * 240;
+
 constexpr int smallest_grid = 8;
 constexpr int largest_grid = 1024;
 
@@ -156,6 +158,12 @@ Plan make_plan(const Scene& scene, const Request& request, std::uint64_t heap_by
   plan.grid = choose_grid(scene, request, plan, heap_bytes);
   const int usual = request.quality == Quality::preview ? 8 : request.quality == Quality::accurate ? 128 : 32;
   plan.light_samples = request.light_samples.value_or(usual);
+  // An edge takes up the more of a picture the smaller that is, and 4 samples misjudge what an edge's pixel holds by 10
+  // %.
+  const bool small = plan.size.x * plan.size.y <= most_pixels_of_a_small_picture;
+  plan.pixel_samples = small && request.quality != Quality::preview ? 16 : 4;
+  if (plan.pixel_samples > 4)
+    plan.reasons.push_back("16 samples a pixel: the picture is small, and its edges a part of it");
   plan_interreflections(scene, request, plan);
   plan_components(request, plan);
   const bool opaque = std::any_of(scene.objects.begin(), scene.objects.end(),

@@ -50,6 +50,7 @@ struct Plan {
   double tolerance = 0;
   int channels = 3;             // 1 where materials and lights are grey: one solve serves red, green and blue
   int light_samples = 0;        // points on area lights, where there are any
+  int pixel_samples = 4;        // on a regular grid
   int environment_samples = 0;  // directions in which the environment's occlusion is looked up; 0 without environment
   int shadow_map_size = 512;    // texels
   // Light between surfaces: passes at most (it stops when what is still under way is below 1e-4 of the light) and
