@@ -52,12 +52,7 @@ void report_on(const Object& object, const Body& body, int channels, ObjectRepor
   report.domain = body.domain.summary;
   report.levels = static_cast<int>(body.diffusion->multigrid().levels().size());
   report.channels = channels;
-  if (body.gather) report.gather = body.gather->counts();
-  if (report.gather.bounded > 0.02 * report.gather.sides)
-    result.warnings.push_back(object.name + ": on " + std::to_string(report.gather.bounded) + " of " +
-                              std::to_string(report.gather.sides) +
-                              " facets the gather and the diffusion disagree by more than 2: their light is not "
-                              "balanced; a finer --grid or --transport beam mends it");
+  if (body.gather) report.gather_level = body.gather->level();
   for (const std::string& warning : body.domain.warnings) result.warnings.push_back(object.name + ": " + warning);
   if (!report.solver.converged) result.warnings.push_back(object.name + ": " + report.solver.reason);
 }
@@ -98,15 +93,12 @@ std::unique_ptr<Interreflections> light_each_other(gpu::Context& context, const 
 }
 
 /// `surfaces`, W: what enters by the facets' boundary source, from other surfaces.
-void solve(gpu::Context& context, Body& body, glm::dvec3 surfaces, ObjectReport& report) {
+void solve(Body& body, glm::dvec3 surfaces, ObjectReport& report) {
   const FacetLight light = body.light->light();
   report.solver = body.diffusion->solve(light);
   report.energy = body.diffusion->energy(light);
   if (body.light->beam()) add_beams(body.light->beam()->totals(), surfaces, report.energy);
-  if (!body.gather) return;
-  gpu::Commands commands(context);
-  body.gather->record(commands);
-  commands.submit();
+  if (body.gather) body.gather->update();
 }
 
 void solve_all(gpu::Context& context, const Scene& scene, const Lighting& lighting, const Plan& plan,
@@ -119,7 +111,7 @@ void solve_all(gpu::Context& context, const Scene& scene, const Lighting& lighti
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     Stage stage(result, "solve");
     ObjectReport& report = result.objects.emplace_back();
-    solve(context, *bodies[i], passes ? passes->by_facets(i) : glm::dvec3(0), report);
+    solve(*bodies[i], passes ? passes->by_facets(i) : glm::dvec3(0), report);
     report_on(scene.objects[bodies[i]->object], *bodies[i], plan.channels, report, result);
     if (passes) report.energy.in -= passes->reentered(i);
   }
@@ -228,7 +220,7 @@ RenderResult render_scene(gpu::Context& context, const Pipelines& pipelines, con
                        *lighting,
                        {},
                        plan.camera,
-                       {plan.size},
+                       {plan.size, plan.pixel_samples},
                        plan.transport == Transport::as_printed ? Exit::as_printed : Exit::report};
   for (const auto& body : bodies) {
     const Diffusion& d = *body->diffusion;

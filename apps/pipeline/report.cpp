@@ -40,7 +40,7 @@ json objects_json(const RenderResult& result) {
                     {"solver", solver_json(o)},
                     {"energy", energy_json(o.energy)},
                     {"reentered", rgb(o.reentered)},
-                    {"gather", {{"sides", o.gather.sides}, {"bounded", o.gather.bounded}}}});
+                    {"gather_level", rgb(o.gather_level)}});
   return list;
 }
 
@@ -83,6 +83,7 @@ json plan_json(const Plan& plan) {
           {"components", components},
           {"channels", plan.channels},
           {"light_samples", plan.light_samples},
+          {"pixel_samples", plan.pixel_samples},
           {"environment_samples", plan.environment_samples},
           {"shadow_map_size", plan.shadow_map_size},
           {"interreflections", plan.interreflections},

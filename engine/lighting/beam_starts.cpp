@@ -31,7 +31,6 @@ struct Group {
   double bent() const { return area - glm::length(area_vector); }
 };
 
-/// Half the size of a cell's start, m, that it may lie off the surface: as facet_receivers.comp.
 BeamStart start_of(glm::dvec3 place, glm::dvec3 area_vector, double area, double scale, float h) {
   const double size = glm::length(area_vector), straight = std::min(size / area, 1.0);
   return {glm::vec3(place), glm::vec3(area_vector / size), static_cast<float>(scale * area),

@@ -1,6 +1,7 @@
-// The exit of `--transport gather`: radiance gathered along the refracted view ray, its level on each facet set by the
-// flux that the diffusion equation sends out there. So the diffusion equation keeps the energy, and the gather says in
-// which direction.
+// The exit of `--transport gather`: radiance gathered along the refracted view ray, its level set by the
+// flux that the diffusion equation sends out of all the object. So the diffusion equation keeps the energy, and the
+// gather says where and in which direction light leaves: where the medium changes within a mean free path it knows
+// better.
 #pragma once
 
 #include "diffusion/diffusion.h"
@@ -15,33 +16,36 @@ class GatherExit {
   GatherExit(gpu::Context& context, const Domain& domain, const Diffusion& diffusion, const BeamSource& beam,
              const DeviceRayTree& rays, double eta);
 
-  /// After the solve: densities and levels (stage "gather levels").
-  void record(gpu::Commands& commands) const;
+  /// After the solve: beams' fluence and the object's level (stage "gather levels").
+  void update();
 
-  /// Sides of facets whose light was gathered in the last record() that has run, and those whose level was bounded.
-  struct Counts {
-    std::uint32_t sides = 0, bounded = 0;
-  };
-  Counts counts() const;
+  /// Flux that the diffusion equation sends out over the flux that the gather does at level 1.
+  glm::dvec3 level() const { return level_; }
+
+  /// phi_b of what beams scatter in the cells, W/m^2; what they scatter near the facets of side 0 or 1, W/m^2, and its
+  /// mean cosine; GatherFlux of the sides k * stride().
+  const gpu::Image& fluence() const { return fluence_; }
+  const gpu::Image& near(int side) const { return near_[side]; }
+  const gpu::Buffer& fluxes() const { return fluxes_; }
+  std::uint32_t stride() const { return push_.stride; }
 
   /// What shading/gathered.comp needs beside the picture's own.
   gpu::Bindings picture_bindings() const;
-  /// Levels of the facets' two sides, to be sampled on the surface.
-  const gpu::Image& level(int side) const { return level_[side]; }
 
  private:
   gpu::Bindings ray_bindings() const;
-  void record_spread(gpu::Commands& commands, const gpu::Buffer& values, const gpu::Image* images) const;
 
+  gpu::Context& context_;
   const Domain& domain_;
   const Diffusion& diffusion_;
   const BeamSource& beam_;
   const DeviceRayTree& rays_;
-  GatherPicturePush push_;
-  gpu::Pass density_pass_, spread_pass_, level_pass_, ratio_pass_;
+  GatherLevelPush push_;
+  gpu::Pass fluence_pass_, spread_pass_, level_pass_;
   gpu::Sampler linear_;
-  gpu::Buffer grid_, fluxes_, levels_, counts_;
-  gpu::Image density_, near_[2], level_[2];
+  gpu::Buffer grid_, fluxes_, level_buffer_;
+  gpu::Image fluence_, near_[2];
+  glm::dvec3 level_{1};
 };
 
 }  // namespace alabaster

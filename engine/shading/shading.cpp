@@ -181,7 +181,7 @@ ShadedPicture planes(gpu::Context& context, const Sums& sums, glm::ivec2 size, b
   for (int c = 0; c < 3; ++c) {
     const std::string channel = rgb[c];
     fill(channel, [&](std::size_t i) { return multiple[i][c] + single[i][c] + surface[i][c]; });
-    fill("multiple." + channel, [&](std::size_t i) { return multiple[i][c]; });
+    fill("multiple." + channel, [&](std::size_t i) { return multiple[i][c] + (with_single ? 0 : single[i][c]); });
     if (with_single) fill("single." + channel, [&](std::size_t i) { return single[i][c]; });
     fill("surface." + channel, [&](std::size_t i) { return surface[i][c]; });
     fill("fluence." + channel, [&](std::size_t i) { return mean(fluence[i][c], multiple[i].a); });
@@ -335,10 +335,8 @@ ShadedPicture Shading::shade(const Input& input) const {
       record_single(commands, {input, surface, push, extent, bindings});
     }
     if (surface.straight) {
-      // Light that goes straight through is in the layer of that scattered at most once, where there is one.
       gpu::Bindings sums_there = shared;
-      for (gpu::Binding& binding : sums_there)
-        if (binding.image == &sums.multiple && (surface.gather || surface.single)) binding.image = &sums.single;
+      sums_there.push_back({"single", sums.single});
       reflection_->record_straight(commands, input, mirrored, {surface, rays, rectangle.low, extent, sums_there});
     }
     if (input.scene.objects[static_cast<std::size_t>(surface.object)].eta != 1)

@@ -1,19 +1,26 @@
 #include "shading/straight.h"
 
+#include <algorithm>
+
 #include "lighting/directional_source.h"
+#include "shading/gather_closure.h"
 
 namespace alabaster {
 
 GatherGrid ray_grid(const Domain& domain, const Diffusion& diffusion, double eta) {
   const SurfaceOptics optics(eta);
-  return {domain.frame.cells,
-          diffusion.channels(),
-          domain.frame.origin,
-          domain.frame.h,
-          glm::vec3(diffusion.kappa_scale()),
-          static_cast<float>(eta),
-          static_cast<float>(optics.A),
-          static_cast<float>(optics.f_dt)};
+  GatherGrid grid{domain.frame.cells,
+                  diffusion.channels(),
+                  domain.frame.origin,
+                  domain.frame.h,
+                  glm::vec3(diffusion.kappa_scale()),
+                  static_cast<float>(eta),
+                  static_cast<float>(optics.A),
+                  static_cast<float>(optics.f_dt),
+                  {}};
+  const std::vector<glm::vec2> closures = gather_closures(eta);
+  std::copy(closures.begin(), closures.end(), grid.closure);
+  return grid;
 }
 
 Straight::Straight(gpu::Context& context, const Domain& domain, const Diffusion& diffusion, double eta)

@@ -1,8 +1,14 @@
-// Whether a way that leaves by a facet at `end` (h) goes on inside. In a crease a facet is the mean of all the surface in its cell
-// and lies on none of it: where the mesh does not end within a cell of there, the way does not, either. Elsewhere facets are
-// the ends, as in the beams' march: so what is seen and what beams bring are one. Before: way.glsl, a GRID with its origin and
-// lighting/ray_tree.glsl.
-bool mesh_goes_on(Way w, float end) {
-  const RayHit hit = trace_side(GRID.origin + GRID.h * w.from, w.along, GRID.h * max(end - 1, 0), GRID.h * (end + 1), -1);
-  return hit.triangle == ray_missed;
+// Where a straight way leaves the mesh: in a crease, or where parts of a cell's surface look different ways, its facet lies on none
+// of it. Before: way.glsl, a GRID with its origin and lighting/ray_tree.glsl.
+struct End {
+  float at;  // h; `nowhere` where the mesh is not met
+  vec3 normal;
+};
+
+End mesh_end(vec3 from, vec3 along) {
+  const float reach = GRID.h * float(GRID.cells.x + GRID.cells.y + GRID.cells.z);
+  const RayHit hit = trace_side(GRID.origin + GRID.h * from, along, 0, reach, -1);
+  if (hit.triangle == ray_missed) return End(nowhere, along);
+  const RayTriangle met = ray_triangle(hit.triangle);
+  return End(hit.distance / GRID.h, normalize(cross(met.edge1, met.edge2)));
 }

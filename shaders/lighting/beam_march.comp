@@ -241,10 +241,13 @@ float near_of(GpuFacet side, vec3 origin, vec3 normal) {
 }
 
 // Surfaces and the environment light all of a facet alike: the samples are shared out among its starts, by their areas.
-bool starts_here(uint sample_, uvec2 of, uint own, float area) {
-  float before = 0;
-  for (uint k = 0; k < own; ++k) before += starts[of.x + k].area;
-  const float place = area * fract((float(sample_) + 0.5) * 0.61803399);
+bool starts_here(uint sample_, uvec2 of, uint own) {
+  float all = 0, before = 0;
+  for (uint k = 0; k < of.y; ++k) {
+    if (k == own) before = all;
+    all += starts[of.x + k].area;
+  }
+  const float place = all * fract((float(sample_) + 0.5) * 0.61803399);
   return (own == 0 || place >= before) && (own + 1 == of.y || place < before + starts[of.x + own].area);
 }
 
@@ -268,7 +271,7 @@ void light_side(uint index, int s) {
   near_cosine = 0;
   for (uint i = push.first; i < min(push.end, arrivals()); ++i) {
     const bool lamp = i < lighting.points;
-    if (!lamp && !starts_here(i, of, push.round, side.area)) continue;
+    if (!lamp && !starts_here(i, of, push.round)) continue;
     Arrival light = lamp ? point_arrival(points[i], receiver, push.eta) : arrival(i, around, push.eta, sky);
     light.flux *= lamp ? start.area / side.area : 1;
     all += light.flux;

@@ -1,12 +1,12 @@
-// What the diffusion equation sends out through each facet and what the gather does, by quadrature over the hemisphere. The
-// level is their quotient (gather_ratio.comp): so energy is kept as the diffusion equation keeps it, and the gather shapes the light.
+// What the diffusion equation sends out through facets and what the gather does, by quadrature over the hemisphere. The quotient
+// of their sums is the object's level: so energy is kept as the diffusion equation keeps it, and the gather says where light leaves.
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
 #include "shading/gather_ray.glsl"
 layout(local_size_x = 64) in;
-layout(push_constant, scalar) uniform Push { GatherPicturePush push; };
-layout(binding = 0, scalar) writeonly buffer Fluxes { GatherFlux fluxes[]; };  // two a cut cell
+layout(push_constant, scalar) uniform Push { GatherLevelPush push; };
+layout(binding = 0, scalar) writeonly buffer Fluxes { GatherFlux fluxes[]; };  // of those asked
 
 GatherFlux flux_of(uint index, int s) {
   const GpuFacet side = cut_cells[index].side[s];
@@ -26,14 +26,11 @@ GatherFlux flux_of(uint index, int s) {
     gathered += weight * gather_along(from, normal, refracted_inwards(outside, normal, cosine)).all;
     weights += weight;
   }
-  return GatherFlux(bracket_at(from, (facet_class(normal) & 1) == 1), max(gathered / weights, vec3(0)));
+  return GatherFlux(side.area * bracket_at(from, (facet_class(normal) & 1) == 1),
+                    side.area * max(gathered / weights, vec3(0)));
 }
 
 void main() {
-  const uint index = gl_GlobalInvocationID.x;
-  if (index >= push.count) return;
-  // Most cells have one side: the lanes of a CPU work together then.
-  const int first = index != 0 && cut_cells[index].side[0].area <= 0 ? 1 : 0;
-  fluxes[2 * index + first] = flux_of(index, first);
-  fluxes[2 * index + 1 - first] = flux_of(index, 1 - first);
+  const uint k = gl_GlobalInvocationID.x, entry = k * push.stride;
+  if (k < push.count) fluxes[k] = flux_of(entry / 2, int(entry % 2));
 }

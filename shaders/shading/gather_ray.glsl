@@ -1,5 +1,5 @@
 // What arrives at a point of the surface from inside, along one direction: the source sigma_s' (phi + phi_b) gathered along the
-// ray, and at its far end what the surface there mirrors. Takes bindings 11, 12 and 16 to 28.
+// ray, phi_b with its closure, and at its far end what the surface there mirrors. Takes bindings 11, 12 and 16 to 28.
 #include "domain/facet_class.glsl"
 #include "lighting/ray_tree.glsl"
 #include "shared/domain.h"
@@ -10,7 +10,7 @@ layout(binding = 18, scalar) readonly buffer CutCells { GpuCutCell cut_cells[]; 
 layout(binding = 19, rgba32f) uniform readonly image3D volume;
 layout(binding = 20, rgba32f) uniform readonly image3D kappa;
 layout(binding = 21, rgba32f) uniform readonly image3D absorption;
-layout(binding = 22) uniform sampler3D beam_density;  // scattered by beams in the cells, W/m^3
+layout(binding = 22) uniform sampler3D beam_fluence;  // phi_b of what is scattered in the cells, W/m^2
 layout(binding = 23) uniform sampler3D near_up;       // scattered near the facets, W/m^2; mean cosine
 layout(binding = 24) uniform sampler3D near_down;
 layout(binding = 25) uniform sampler3D field_up;      // phi for the surface's two sides, W/m^2
@@ -45,6 +45,13 @@ bool side_at(vec3 p, ivec3 cell, bool down) {
   return to_down < to_up;
 }
 
+// See gather_closure(); linear in the table.
+vec2 closure_of(float albedo) {
+  const float place = sqrt(clamp((1 - albedo) / GATHER_MOST_ABSORBED, 0, 1)) * (GATHER_CLOSURES - 1);
+  const int before = min(int(place), GATHER_CLOSURES - 2);
+  return mix(grid.closure[before], grid.closure[before + 1], place - float(before));
+}
+
 // 4 pi times radiance, W/m^2: all that arrives, and of it what was scattered once (sigma_s' phi_b).
 struct Gathered {
   vec3 all, single;
@@ -67,7 +74,7 @@ void add_near(vec3 p, vec3 normal, Solid s, float view, vec3 tau, bool behind, i
     const NearLight n = NearLight(near_[c], max(near_.a, 0.05), max(depth * s.sigma_t[c], 1e-4), s.albedo[c], view, tau[c]);
     const float once = behind ? near_single_behind(n) : near_single(n);
     sum.single[c] += once;
-    sum.all[c] += once - (behind ? near_surplus_behind(n) : near_surplus(n));
+    sum.all[c] += dot(closure_of(s.albedo[c]), vec2(behind ? -near_surplus_behind(n) : -near_surplus(n), once));
   }
 }
 
@@ -80,30 +87,30 @@ Gathered gather_along(vec3 from, vec3 normal, vec3 along) {
   vec3 left = vec3(1), tau = vec3(1e3);
   bool inside = false;
   const int most_steps = grid.cells.x + grid.cells.y + grid.cells.z;
-  for (int n = 0; n < most_steps; ++n) {
-    Solid s = solid_at(w.cell);
+  const End out_ = mesh_end(from, along);
+  // Cells without solid on the way are slivers that were left out: like the cell before.
+  Solid s = Solid(false, vec3(0), vec3(0));
+  for (int n = 0; n < most_steps && w.at < out_.at; ++n) {
+    const Solid here = solid_at(w.cell);
+    if (here.there) {
+      s = here;
+      if (grid.channels == 1) s.sigma_t = s.sigma_t.rrr, s.albedo = s.albedo.rrr;
+    }
     if (!s.there) {
-      if (inside || w.at > 2) break;
+      if (w.at > 2) break;
       step_on(w);
       continue;
     }
-    if (grid.channels == 1) s.sigma_t = s.sigma_t.rrr, s.albedo = s.albedo.rrr;
     if (!inside) first = s;
     inside = true;
-    vec3 far_normal;
-    float end = cell_end(w);
-    const float out_at = leaves_at(w, imageLoad(cut_index, w.cell).r, end, far_normal);
-    // Near its start the ray is in the facet's plane but for the surface's bend: nothing leaves there.
-    const bool leaves = out_at <= end && out_at > 0.25 && !mesh_goes_on(w, out_at);
-    if (leaves) end = out_at;
-    const float length_ = end - w.at;
+    const float end = min(out_.at, cell_end(w)), length_ = end - w.at;
     const vec3 depth = s.sigma_t * length_, lost = left * (1 - exp(-depth));
     for (int c = 0; c < 3; ++c) {
       if (c > 0 && grid.channels == 1) break;
       const vec3 p = w.from + (w.at + length_ * loss_place(depth[c])) * along;
-      const float beams = texture(beam_density, place_of(p))[c] * grid.h / max(s.sigma_t[c], 1e-6);
-      sum.single[c] += lost[c] * beams;
-      sum.all[c] += lost[c] * (s.albedo[c] * field(p, side_at(p, w.cell, down))[c] + beams);
+      const float beams = texture(beam_fluence, place_of(p))[c], scattered = lost[c] * s.albedo[c];
+      sum.single[c] += scattered * beams;
+      sum.all[c] += scattered * dot(closure_of(s.albedo[c]), vec2(field(p, side_at(p, w.cell, down))[c], beams));
     }
     left -= lost;
     const vec3 at_end = w.from + end * along;
@@ -111,11 +118,11 @@ Gathered gather_along(vec3 from, vec3 normal, vec3 along) {
       sum.all += left * s.albedo * field(at_end, down);
       break;
     }
-    if (leaves) {
-      const float cosine = max(dot(far_normal, along), 1e-3), mirrored = fresnel_reflectance(cosine, 1 / grid.eta);
+    if (end == out_.at) {
+      const float cosine = max(dot(out_.normal, along), 1e-3), mirrored = fresnel_reflectance(cosine, 1 / grid.eta);
       tau = -log(max(left, vec3(1e-30)));
-      add_near(at_end, far_normal, s, cosine, tau, true, sum);
-      sum.all += left * mirrored * bracket_at(at_end, (facet_class(far_normal) & 1) == 1);
+      add_near(at_end, out_.normal, s, cosine, tau, true, sum);
+      sum.all += left * mirrored * bracket_at(at_end, (facet_class(out_.normal) & 1) == 1);
       break;
     }
     step_on(w);

@@ -1,4 +1,4 @@
-// Adds what leaves one translucent object by the gather along each refracted view ray, times the facets' level.
+// Adds what leaves one translucent object by the gather along each refracted view ray, times the object's level.
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
@@ -6,8 +6,7 @@
 #include "visible.glsl"
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(push_constant, scalar) uniform Push { TranslucentPush push; };
-layout(binding = 13) uniform sampler3D level_up;
-layout(binding = 14) uniform sampler3D level_down;
+layout(binding = 13, scalar) readonly buffer Level { vec3 level; };
 layout(binding = 15, rgba32f) uniform image2D single;
 void main() {
   const uvec2 pixel = push.corner + gl_GlobalInvocationID.xy;
@@ -21,9 +20,7 @@ void main() {
   while (todo != 0) {
     const Hit hit = next_hit(push.camera, pixel, todo);
     const vec3 at = (hit.position - grid.origin) / grid.h;
-    const bool down = (facet_class(hit.normal) & 1) == 1;
     const float cosine = clamp(dot(hit.normal, hit.to_eye), 0.001, 1);
-    const vec3 level = down ? texture(level_down, place_of(at)).rgb : texture(level_up, place_of(at)).rgb;
     const Gathered inside = gather_along(at, hit.normal, refracted_inwards(hit.to_eye, hit.normal, cosine));
     const float scale = fresnel_transmittance(cosine, grid.eta) / (4 * 3.14159265358979 * grid.eta * grid.eta);
     once += hit.weight * scale * inside.single;

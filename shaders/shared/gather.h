@@ -11,11 +11,11 @@ ALABASTER_BEGIN_SHARED
 // Optical depth at which a ray is deep enough.
 #define GATHER_DEEP 5.0
 
-// A facet's level is held between these; how many sides there are and how many it is held on.
-#define GATHER_LEAST_LEVEL 0.5
-#define GATHER_MOST_LEVEL 2.0
-#define GATHER_SIDES 0
-#define GATHER_BOUNDED 1
+// Sides of facets, at most, that are asked what the gather sends out there.
+#define GATHER_ASKED 8192
+// Entries of the closure's table, to this 1 - a' at most.
+#define GATHER_CLOSURES 17
+#define GATHER_MOST_ABSORBED 0.3
 
 struct GatherGrid {
   ivec3 cells;
@@ -24,12 +24,18 @@ struct GatherGrid {
   float h;           // m
   vec3 kappa_scale;  // m
   float eta, A, f_dt;
+  vec2 closure[GATHER_CLOSURES];  // engine/shading/gather_closure.h
 };
 
-// Of one side of a cut cell, times 4 / F_dt, W/m^2.
+// Out of one side of a cut cell, times 4 / F_dt, W/m^2 h^2.
 struct GatherFlux {
-  vec3 wanted;    // what the diffusion equation sends out
-  vec3 gathered;  // what the gather sends out, at level 1
+  vec3 wanted;    // by the diffusion equation
+  vec3 gathered;  // by the gather, at level 1
+};
+
+// Some of the facets' sides: k * stride, k < count.
+struct GatherLevelPush {
+  uint count, stride;
 };
 
 struct GatherPicturePush {

@@ -32,7 +32,7 @@ class LightingBodyLight : public GpuTest {
 
 TEST_F(LightingBodyLight, SumEqualsTwin) {
   for (Transport transport : {Transport::directional, Transport::beam}) {
-    BodyLight light(context, transport, mesh, body.domain(), body.diffusion(), eta);
+    BodyLight light(context, transport, scene().objects[0].mesh, body.domain(), body.diffusion(), eta);
     ASSERT_TRUE(light.apart());
     {
       gpu::Commands commands(context);
@@ -68,11 +68,11 @@ TEST_F(LightingBodyLight, SumEqualsTwin) {
 TEST_F(LightingBodyLight, LightsEnterOnce) {
   // With the report's transport all of the light comes by Exchange. Apart, the same comes in two parts, and what is
   // known of surfaces by the transport.
-  BodyLight report(context, Transport::report, mesh, body.domain(), body.diffusion(), eta);
+  BodyLight report(context, Transport::report, scene().objects[0].mesh, body.domain(), body.diffusion(), eta);
   EXPECT_FALSE(report.apart());
   for (const auto& [transport, known] :
        {std::pair{Transport::directional, false}, {Transport::directional, true}, {Transport::beam, true}}) {
-    BodyLight light(context, transport, mesh, body.domain(), body.diffusion(), eta);
+    BodyLight light(context, transport, scene().objects[0].mesh, body.domain(), body.diffusion(), eta);
     {
       gpu::Commands commands(context);
       report.record_lamps(commands, lit.lighting);
