@@ -1,0 +1,146 @@
+// shading/gather_level.comp and gathered.comp against the gather in double precision: a torus of two media under a
+// lamp, whose rays end on far sides, are mirrored there or fade.
+#include "shading/shading.h"
+#include "support/gather_twin.h"
+#include "support/lit_scene.h"
+
+namespace alabaster {
+namespace {
+
+class ShadingGather : public GpuTest {
+ protected:
+  static constexpr double eta = 1.4;
+  static MediumPoint layered(glm::dvec3 p) {
+    const glm::dvec3 dense = glm::dvec3(2, 6, 15) * (p.x > 0 ? 3.0 : 1.0);
+    return {0.9 * dense, 0.1 * dense};
+  }
+  static Scene scene() {
+    Scene scene;
+    scene.objects = {
+        make_object(Role::translucent, torus(1, 0.4f, 48, 24)),
+        make_light(transformed(quad(0.6f, 0.6f), translation({0.5, 3, 0.2}) * rotation({1, 0, 0}, 180)), {30, 50, 70})};
+    scene.objects[0].eta = eta;
+    return scene;
+  }
+
+  ShadingGather() {
+    const Diffusion& d = body.diffusion();
+    gpu::Commands commands(context);
+    beam.record(commands, lit.lighting, {d.kappa(), d.absorption(), d.facet_medium(), d.kappa_scale(), 3}, eta);
+    commands.submit();
+    FacetLight light(beam.gamma_s(), 2);
+    light.query = &beam.query_gamma();
+    light.entered = &beam.entered();
+    light.volume = &beam.power();
+    light.volume_power = beam.totals().in_cells;
+    light.through = &beam.through();
+    body.diffusion().solve(light);
+    gather.update();
+  }
+
+  const LitScene lit{context, scene(), {8, 0, 256}};
+  const Mesh mesh = scene().objects[0].mesh;
+  Body body{context, mesh, 20, layered, 3, eta};
+  BeamSource beam{context, body.domain(), mesh_starts(mesh, body.domain().frame, body.cut_cells()), 3};
+  GatherExit gather{context, body.domain(), body.diffusion(), beam, lit.meshes.rays, eta};
+};
+
+TEST_F(ShadingGather, LevelEqualsTwin) {
+  const GatherTwin twin(context, body, gather, mesh, eta);
+  const auto fluxes = gpu::download<GatherFlux>(context, gather.fluxes());
+  glm::dvec3 wanted(0), gathered(0), largest(0);
+  int sides = 0, apart = 0;
+  for (std::uint32_t k = 0; k < fluxes.size(); ++k) {
+    wanted += glm::dvec3(fluxes[k].wanted);
+    gathered += glm::dvec3(fluxes[k].gathered);
+    largest = glm::max(largest, glm::dvec3(fluxes[k].gathered));
+  }
+  for (std::uint32_t k = 1; k < fluxes.size(); k += 3) {
+    const std::uint32_t entry = k * gather.stride();
+    const GpuCutCell& cut = body.cut_cells()[entry / 2];
+    const GpuFacet& side = cut.side[entry % 2];
+    const double size = glm::length(glm::dvec3(side.area_vector));
+    if (entry < 2 || side.area <= 0 || size <= 0) continue;
+    const glm::dvec3 normal = glm::dvec3(side.area_vector) / size,
+                     from = glm::dvec3(cut.cell) + glm::dvec3(side.centre);
+    const glm::dvec3 across =
+        glm::normalize(glm::cross(normal, std::abs(normal.x) < 0.6 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0)));
+    const glm::dvec3 other = glm::cross(normal, across);
+    glm::dvec3 sum(0);
+    double weights = 0;
+    for (int i = 0; i < GATHER_RINGS * GATHER_SECTORS; ++i) {
+      const int ring = i / GATHER_SECTORS;
+      const double square = (ring + 0.5) / GATHER_RINGS, cosine = std::sqrt(square), sine = std::sqrt(1 - square);
+      const double angle = 2 * M_PI * (i % GATHER_SECTORS + double(ring) / GATHER_RINGS) / GATHER_SECTORS;
+      const glm::dvec3 outside = cosine * normal + sine * (std::cos(angle) * across + std::sin(angle) * other);
+      const double weight = fresnel_transmittance<double>(cosine, eta);
+      sum += weight * twin.along(from, normal, twin.refracted_inwards(outside, normal, cosine)).all;
+      weights += weight;
+    }
+    const glm::dvec3 exact = double(side.area) * glm::max(sum / weights, glm::dvec3(0));
+    const glm::dvec3 bracket = double(side.area) * twin.bracket(from, GatherTwin::side_of(normal));
+    ++sides;
+    for (int c = 0; c < 3; ++c)
+      if (std::abs(fluxes[k].gathered[c] - exact[c]) > 2e-4 * largest[c] ||
+          std::abs(fluxes[k].wanted[c] - bracket[c]) > 2e-4 * largest[c]) {
+        ++apart;
+        break;
+      }
+  }
+  EXPECT_GT(sides, 200);
+  EXPECT_LE(apart, sides / 50);  // a ray along a facet or between two cells may go by either
+  for (int c = 0; c < 3; ++c) {
+    EXPECT_NEAR(gather.level()[c], wanted[c] / gathered[c], 1e-9);
+    EXPECT_NEAR(gather.level()[c], 1, 0.25);
+  }
+}
+
+TEST_F(ShadingGather, PictureEqualsTwin) {
+  const GatherTwin twin(context, body, gather, mesh, eta);
+  Camera camera;
+  const glm::dvec3 eye(2, 3, 1.5);
+  camera.to_world = glm::mat4(look_at(eye, {0, 0, 0}, {0, 1, 0.01}));
+  camera.y_fov = 0.7f;
+  const glm::ivec2 size(48, 36);
+  const Diffusion& d = body.diffusion();
+  Scene unmirrored = lit.scene;  // the gather knows the index by itself
+  unmirrored.objects[0].eta = 1;
+  Shading::Input input{unmirrored, lit.meshes, lit.lighting, {}, camera, {size, 1}};
+  input.surfaces = {
+      {0, {&d.surface(0), &d.surface(1)}, {&d.surface_gamma(0), &d.surface_gamma(1)}, body.domain().frame, &gather}};
+  const Picture picture = Shading(context).shade(input).picture;
+  const auto at = [&](const std::string& name, std::size_t i) { return double(picture.channels.at(name)[i]); };
+  const double tangent = std::tan(0.5 * camera.y_fov), scale_out = 1 / (4 * M_PI * eta * eta);
+  int pixels = 0, apart = 0;
+  double brightest = 0;
+  for (float v : picture.channels.at("multiple.G")) brightest = std::max(brightest, double(v));
+  for (int y = 0; y < size.y; ++y)
+    for (int x = 0; x < size.x; ++x) {
+      const std::size_t i = x + std::size_t(size.x) * y;
+      if (at("object.Y", i) <= 0) continue;
+      const glm::dvec3 seen((2 * (x + 0.5) / size.x - 1) * tangent * size.x / size.y,
+                            (1 - 2 * (y + 0.5) / size.y) * tangent, -1);
+      const glm::dvec3 way = glm::normalize(glm::dmat3(camera.to_world) * seen);
+      const glm::dvec3 normal = glm::normalize(glm::dvec3(at("N.X", i), at("N.Y", i), at("N.Z", i)));
+      const glm::dvec3 from =
+          (eye + at("Z", i) * way - glm::dvec3(body.domain().frame.origin)) / double(body.domain().frame.h);
+      const double cosine = std::clamp(-glm::dot(normal, way), 0.001, 1.0);
+      const auto inside = twin.along(from, normal, twin.refracted_inwards(-way, normal, cosine));
+      const double out = fresnel_transmittance<double>(cosine, eta) * scale_out;
+      ++pixels;
+      const char* const rgb[] = {"R", "G", "B"};
+      bool off = false;
+      for (int c = 0; c < 3; ++c) {
+        const double single = at(std::string("single.") + rgb[c], i),
+                     multiple = at(std::string("multiple.") + rgb[c], i);
+        off = off || std::abs(single - out * inside.single[c]) > 1e-3 * brightest ||
+              std::abs(single + multiple - out * gather.level()[c] * inside.all[c]) > 2e-3 * brightest;
+      }
+      apart += off;
+    }
+  EXPECT_GT(pixels, 400);
+  EXPECT_LE(apart, pixels / 50);
+}
+
+}  // namespace
+}  // namespace alabaster
