@@ -58,10 +58,14 @@ Document open_document(const std::string& path) {
   check_nesting(text, path);
   std::string folder = std::filesystem::path(path).parent_path().string();
   tinygltf::TinyGLTF reader;
-  // Textures are not used: accept every image undecoded.
-  reader.SetImageLoader([](tinygltf::Image*, const int, std::string*, std::string*, int, int, const unsigned char*, int,
-                           void*) { return true; },
-                        nullptr);
+  // Few textures are used (emission.h): keep every image undecoded.
+  reader.SetImageLoader(
+      [](tinygltf::Image* image, const int, std::string*, std::string*, int, int, const unsigned char* data, int size,
+         void*) {
+        image->image.assign(data, data + size);
+        return true;
+      },
+      nullptr);
   Document document{path, {}, {}};
   std::string error, warning;
   unsigned size = unsigned(bytes.size());

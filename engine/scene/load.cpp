@@ -7,6 +7,7 @@
 
 #include "scene/depth.h"
 #include "scene/document.h"
+#include "scene/emission.h"
 #include "scene/material.h"
 #include "scene/mesh_check.h"
 #include "scene/primitive.h"
@@ -114,16 +115,54 @@ class Builder {
                                               : "mesh " + std::to_string(index);
     std::string place = document_.path + ": mesh '" + name + "'";
     std::map<int, Mesh> by_material;
-    for (const tinygltf::Primitive& primitive : source.primitives)
-      by_material[primitive.material] =
-          joined(std::move(by_material[primitive.material]), read_primitive(model_, primitive, place));
+    std::map<int, std::vector<glm::vec2>> texcoords;  // of those whose emission is textured
+    for (const tinygltf::Primitive& primitive : source.primitives) {
+      Mesh& mesh = by_material[primitive.material];
+      mesh = joined(std::move(mesh), read_primitive(model_, primitive, place));
+      const EmissionTexture& texture = emission(primitive.material);
+      if (texture.empty()) continue;
+      std::vector<glm::vec2>& all = texcoords[primitive.material];
+      for (glm::vec2 at : read_texcoords(model_, primitive, texture.set, place)) all.push_back(at);
+      if (all.size() != mesh.positions.size())
+        throw UserError(place + " has an emissiveTexture and no TEXCOORD_" + std::to_string(texture.set) +
+                        " at each of its vertices; export it with texture coordinates");
+    }
     for (auto& [material, mesh] : by_material) {
       std::string object = by_material.size() == 1 ? name : name + "/" + material_name(material);
       if (mesh.triangles.empty())
         scene_.warnings.push_back("'" + object + "' has no triangles and is left out");
       else
-        add_object(object, material, std::move(mesh), to_world);
+        add_object(object, material, {std::move(mesh), std::move(texcoords[material])}, to_world);
     }
+  }
+
+  /// Empty where the material has none that shines.
+  const EmissionTexture& emission(int index) {
+    auto [entry, fresh] = emissions_.try_emplace(index);
+    if (!fresh || index < 0 || material(index).role != Role::emissive) return entry->second;
+    const tinygltf::TextureInfo& info = model_.materials[std::size_t(index)].emissiveTexture;
+    if (info.index < 0) return entry->second;
+    const std::string place = document_.path + ": material '" + material_name(index) + "': emissiveTexture";
+    const auto there = [&](int i, std::size_t count) { return i >= 0 && std::size_t(i) < count; };
+    if (!there(info.index, model_.textures.size()) || !there(model_.textures[info.index].source, model_.images.size()))
+      throw UserError(place + ": its texture or image is out of range; export the file again");
+    const tinygltf::Texture& texture = model_.textures[info.index];
+    EmissionTexture& result = entry->second;
+    result = decode_emission(model_.images[texture.source].image, place);
+    result.set = info.texCoord;
+    const auto wrap = [](int mode) {
+      return mode == TINYGLTF_TEXTURE_WRAP_CLAMP_TO_EDGE     ? EmissionTexture::Wrap::clamp
+             : mode == TINYGLTF_TEXTURE_WRAP_MIRRORED_REPEAT ? EmissionTexture::Wrap::mirror
+                                                             : EmissionTexture::Wrap::repeat;
+    };
+    if (there(texture.sampler, model_.samplers.size())) {
+      result.wrap[0] = wrap(model_.samplers[texture.sampler].wrapS);
+      result.wrap[1] = wrap(model_.samplers[texture.sampler].wrapT);
+    }
+    if (info.extensions.contains("KHR_texture_transform"))
+      scene_.warnings.push_back("material '" + material_name(index) +
+                                "': KHR_texture_transform of its emissiveTexture is not read");
+    return result;
   }
 
   std::string material_name(int index) const {
@@ -144,7 +183,13 @@ class Builder {
     return entry->second;
   }
 
-  void add_object(const std::string& name, int material_index, Mesh mesh, const glm::dmat4& to_world) {
+  struct Shape {
+    Mesh mesh;
+    std::vector<glm::vec2> texcoords;  // where its emission is textured, one a vertex
+  };
+
+  void add_object(const std::string& name, int material_index, Shape shape, const glm::dmat4& to_world) {
+    Mesh& mesh = shape.mesh;
     const Material& source = material(material_index);
     std::string place = document_.path + ": mesh '" + name + "'";
     const Bounds own_bounds = bounds_of(mesh);
@@ -173,7 +218,13 @@ class Builder {
     } else {
       drop_flat(object);
     }
-    if (!object.mesh.triangles.empty()) scene_.objects.push_back(std::move(object));
+    if (object.mesh.triangles.empty()) return;
+    if (shape.texcoords.empty()) {
+      scene_.objects.push_back(std::move(object));
+      return;
+    }
+    for (Object& part : cut_by_texels(object, shape.texcoords, emission(material_index), place))
+      scene_.objects.push_back(std::move(part));
   }
 
   /// Opaque and emissive meshes may be open, but a triangle without area has no normal.
@@ -305,6 +356,7 @@ class Builder {
   const tinygltf::Model& model_;
   Scene scene_;
   std::map<int, Material> materials_;
+  std::map<int, EmissionTexture> emissions_;
   GridCache grids_;
   std::set<int> visited_;
 };

@@ -119,4 +119,22 @@ Mesh read_primitive(const tinygltf::Model& model, const tinygltf::Primitive& pri
   return mesh;
 }
 
+std::vector<glm::vec2> read_texcoords(const tinygltf::Model& model, const tinygltf::Primitive& primitive, int set,
+                                      const std::string& place) {
+  const std::string name = "TEXCOORD_" + std::to_string(set), what = place + " " + name;
+  const auto found = primitive.attributes.find(name);
+  if (found == primitive.attributes.end()) return {};
+  const tinygltf::Accessor& accessor = item(model.accessors, found->second, what + ": accessor");
+  if (accessor.componentType != TINYGLTF_COMPONENT_TYPE_FLOAT || accessor.type != TINYGLTF_TYPE_VEC2)
+    throw UserError(what + " must be two 32-bit floats; export without quantisation");
+  const Elements source = elements(model, accessor, what);
+  std::vector<glm::vec2> result(source.count);
+  for (std::size_t i = 0; i < source.count; ++i) {
+    result[i] = source.at<glm::vec2>(i);
+    if (!std::isfinite(result[i].x) || !std::isfinite(result[i].y))
+      throw UserError(what + " " + std::to_string(i) + " is not finite (NaN or infinite); repair the mesh");
+  }
+  return result;
+}
+
 }  // namespace alabaster
