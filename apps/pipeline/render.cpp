@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "pipeline/body_light.h"
+#include "pipeline/short_ways.h"
 
 namespace alabaster {
 namespace {
@@ -190,6 +191,8 @@ RenderResult render_scene(gpu::Context& context, const Pipelines& pipelines, con
       Stage stage(result, "medium");
       medium = sample_medium(context, body.domain, field_of(object.medium), plan.channels);
       for (const std::string& warning : medium.warnings) result.warnings.push_back(object.name + ": " + warning);
+      const std::string warning = short_ways_warning(medium, body.domain.frame, plan.grid);
+      if (!warning.empty()) result.warnings.push_back(object.name + ": " + warning);
     }
     {
       Stage stage(result, "solver set-up");
