@@ -19,18 +19,19 @@ BodyLight::BodyLight(gpu::Context& context, Transport transport, const Mesh& mes
   entered_ = gpu::Buffer(context, bytes, "all that enters");
 }
 
-void BodyLight::record_own(gpu::Commands& commands, const Lighting& lighting, const Surroundings& around) {
+void BodyLight::record_own(gpu::Commands& commands, const Lighting& lighting, const Surroundings& around, bool more) {
   const Diffusion& d = diffusion_;
   const gpu::Buffer& media = d.facet_medium();
   if (directional_) directional_->record(commands, lighting, media, eta_, around);
   if (beam_)
-    beam_->record(commands, lighting, {d.kappa(), d.absorption(), media, d.kappa_scale(), d.channels()}, eta_, around);
+    beam_->record(commands, lighting, {d.kappa(), d.absorption(), media, d.kappa_scale(), d.channels()}, eta_, around,
+                  more);
 }
 
 void BodyLight::record_lights(gpu::Commands& commands, const Lighting& lighting) {
   summed_ = false;
   if (apart())
-    record_own(commands, lighting, {});
+    record_own(commands, lighting, {}, false);
   else
     facets_.record(commands, lighting, diffusion_.facet_medium(), eta_);
   if (single_) single_->record_take(commands, facets_.gamma_s());
@@ -40,8 +41,9 @@ void BodyLight::record_lamps(gpu::Commands& commands, const Lighting& lighting) 
   facets_.record_direct(commands, lighting, eta_, false);
 }
 
-void BodyLight::record_lights_apart(gpu::Commands& commands, const Lighting& lighting, const Surroundings& around) {
-  if (apart()) record_own(commands, lighting, around);
+void BodyLight::record_lights_apart(gpu::Commands& commands, const Lighting& lighting, const Surroundings& around,
+                                    bool again) {
+  if (apart()) record_own(commands, lighting, around, again);
 }
 
 void BodyLight::record_surfaces(gpu::Commands& commands) {

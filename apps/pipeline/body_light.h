@@ -26,7 +26,9 @@ class BodyLight {
   // knows, where the transport brings them in itself (apart()); and after every Exchange::record_gather() the sum of
   // both.
   void record_lamps(gpu::Commands& commands, const Lighting& lighting) const;
-  void record_lights_apart(gpu::Commands& commands, const Lighting& lighting, const Surroundings& around);
+  // `again`: the lights and the environment are as they were, and surfaces were known to send nothing.
+  void record_lights_apart(gpu::Commands& commands, const Lighting& lighting, const Surroundings& around,
+                           bool again = false);
   void record_surfaces(gpu::Commands& commands);
   /// True: facets().flux() is to hold what surfaces send and nothing else.
   bool apart() const { return directional_ || beam_; }
@@ -46,7 +48,7 @@ class BodyLight {
     const gpu::Buffer &gamma_s, &query_gamma, &entered;
   };
   Own own() const;
-  void record_own(gpu::Commands& commands, const Lighting& lighting, const Surroundings& around);
+  void record_own(gpu::Commands& commands, const Lighting& lighting, const Surroundings& around, bool more);
 
   const Diffusion& diffusion_;
   double eta_;

@@ -33,15 +33,15 @@ Interreflections::Interreflections(gpu::Context& context, const Scene& scene, co
   report_.counts = exchange_.counts();
 }
 
-void Interreflections::light_apart() {
+void Interreflections::light_apart(bool again) {
   gpu::Commands commands(context_);
   for (std::size_t i = 0; i < bodies_.size(); ++i)
-    bodies_[i].light.record_lights_apart(commands, lighting_, exchange_.around(i));
+    bodies_[i].light.record_lights_apart(commands, lighting_, exchange_.around(i), again);
   commands.submit();
 }
 
 void Interreflections::start() {
-  light_apart();
+  light_apart(false);
   gather();
   at_start_ = entered_ = entering();
   lights_ = glm::dvec3(0);
@@ -53,7 +53,7 @@ void Interreflections::learn() {
   gpu::Commands commands(context_);
   exchange_.record_known(commands);
   commands.submit();
-  light_apart();
+  light_apart(true);
 }
 
 void Interreflections::gather() {

@@ -46,7 +46,7 @@ class Interreflections {
   const ExchangeReport& report() const { return report_; }
 
  private:
-  void light_apart();
+  void light_apart(bool again);
   void learn();
   void gather();
   void send();

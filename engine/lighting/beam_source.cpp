@@ -4,7 +4,7 @@
 
 namespace alabaster {
 
-static_assert(sizeof(BeamPush) == 96);
+static_assert(sizeof(BeamPush) == 100);
 
 namespace {
 
@@ -55,7 +55,7 @@ BeamSource::BeamSource(gpu::Context& context, const Domain& domain, const BeamSt
 }
 
 void BeamSource::record(gpu::Commands& commands, const Lighting& lighting, const BeamMedium& medium, double eta,
-                        const Surroundings& around) {
+                        const Surroundings& around, bool more) {
   receivers_.record(commands);
   const auto timer = commands.time("beams");
   const SurfaceOptics optics(eta);
@@ -76,9 +76,10 @@ void BeamSource::record(gpu::Commands& commands, const Lighting& lighting, const
                 0,
                 0,
                 0};
+  push.sky.only_known = more;
   for (const gpu::Buffer* sums :
        {&deposits_, &carries_, &counters_, &leaving_, &gamma_s_, &query_gamma_, &entered_, &near_})
-    commands.fill(*sums);
+    if (!more) commands.fill(*sums);
   gpu::Bindings bindings = arrival_bindings(lighting, receivers_, around);
   for (const gpu::Binding& binding : gpu::Bindings{{"media", medium.facets},
                                                    {"cut_index", domain_.cut_index},
@@ -100,8 +101,9 @@ void BeamSource::record(gpu::Commands& commands, const Lighting& lighting, const
   const LightSamples& lights = lighting.samples();
   const std::size_t samples =
       lights.area.size() + (around.shape.sides > 0 ? around.shape.directions : lights.directions.size());
+  const auto first = static_cast<std::uint32_t>(more ? lights.area.size() : 0);
   for (push.round = 0; push.round < rounds_; ++push.round)
-    for (push.first = 0; push.first < samples; push.first = push.end) {
+    for (push.first = first; push.first < samples; push.first = push.end) {
       push.end = push.first + samples_at_once(n);
       commands.dispatch(march_, {push.count, 1, 1}, bindings, push);
     }

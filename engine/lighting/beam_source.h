@@ -28,9 +28,10 @@ class BeamSource {
  public:
   BeamSource(gpu::Context& context, const Domain& domain, const BeamStarts& starts, int channels);
 
-  /// Fills what is below. The shadow maps of `lighting` must have been recorded before. Stage "beams".
+  /// Fills what is below. The shadow maps of `lighting` must have been recorded before. `more`: after a record()
+  /// without light from surfaces adds what these send now. Stage "beams".
   void record(gpu::Commands& commands, const Lighting& lighting, const BeamMedium& medium, double eta,
-              const Surroundings& around = {});
+              const Surroundings& around = {}, bool more = false);
 
   // W/m^2, two vec3 an entry of Domain::cut_cells: source of the boundary condition, Gamma of the render query, all
   // that enters; and two vec4 with what is scattered near the facet and its mean cosine with the normal.

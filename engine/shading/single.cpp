@@ -9,7 +9,7 @@
 
 namespace alabaster {
 
-static_assert(sizeof(SingleGrid) == 96 && sizeof(SingleFluxPush) == 32);
+static_assert(sizeof(SingleGrid) == 96 && sizeof(SingleFluxPush) == 36);
 
 namespace {
 

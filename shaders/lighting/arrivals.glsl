@@ -59,7 +59,7 @@ Arrival point_arrival(LightPoint light, Receiver r, float eta) {
 Arrival link_arrival(uint k, Receiver r, float eta, Sky sky) {
   Arrival a = Arrival(vec3(0), 0, vec3(0));
   const uint link = sky.side == sky_no_side ? link_dark : links[k * push.sky.sides + sky.side];
-  if (link == link_dark) return a;
+  if (link == link_dark || (link == link_open && push.sky.only_known != 0)) return a;
   vec3 light = lighting.environment;
   if (link != link_open) {
     const uint emitter = link & 0xffffffu;

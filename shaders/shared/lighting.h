@@ -89,6 +89,7 @@ struct FacetPush {
 struct SkyLinks {
   uint sides;
   uint directions;  // 0: all are dark
+  uint only_known;  // 1: what surfaces send, without the environment
 };
 const uint sky_no_side = 0xffffffffu;
 
