@@ -87,7 +87,9 @@ void run(const std::string& path) {
   else if (!scene.environment.dark())
     std::printf("environment: radiance %.4g %.4g %.4g W/m^2/sr from every direction\n", scene.environment.radiance.r,
                 scene.environment.radiance.g, scene.environment.radiance.b);
-  const Plan plan = make_plan(scene, Request{}, UINT64_MAX / 16);
+  Request usual;
+  usual.transport = usual_transport(usual.quality);
+  const Plan plan = make_plan(scene, usual, UINT64_MAX / 16);
   std::printf("render would use grid %d, %d light samples, %d environment directions:\n", plan.grid, plan.light_samples,
               plan.environment_samples);
   for (const std::string& reason : plan.reasons) std::printf("    %s\n", reason.c_str());

@@ -17,7 +17,7 @@ namespace {
 
 struct Arguments {
   std::string scene, output, png, stats, device, size = "640x480", grid = "auto";
-  std::string transport = "report", quality = "balanced", curve = "srgb";
+  std::string transport, quality = "balanced", curve = "srgb";
   std::vector<std::string> components;
   double exposure = 0;
   int light_samples = 0, interreflections = -1, exchange_directions = 0;
@@ -28,11 +28,13 @@ Request request_of(const Arguments& a) {
   Request request = a.request;
   request.size = parse_size(a.size);
   request.grid = parse_grid(a.grid);
-  request.transport = static_cast<Transport>(
-      std::find(std::begin(transport_names), std::end(transport_names), a.transport) - std::begin(transport_names));
   request.quality = a.quality == "preview"    ? Quality::preview
                     : a.quality == "accurate" ? Quality::accurate
                                               : Quality::balanced;
+  request.transport = usual_transport(request.quality);
+  if (!a.transport.empty())
+    request.transport = static_cast<Transport>(
+        std::find(std::begin(transport_names), std::end(transport_names), a.transport) - std::begin(transport_names));
   if (!a.components.empty()) request.components.emplace();
   for (const std::string& name : a.components)
     request.components->insert(static_cast<Component>(
@@ -111,7 +113,10 @@ void add_render(CLI::App& app) {
   command->add_option("--camera", a->request.camera, "its name (default: the first)");
   command->add_option("--grid", a->grid, "cells along the longest side of each object, or auto")->capture_default_str();
   command->add_option("--tolerance", a->request.tolerance, "relative residual of the solver")->capture_default_str();
-  command->add_option("--transport", a->transport, "how light enters and leaves")
+  command
+      ->add_option(
+          "--transport", a->transport,
+          "how light enters and leaves (default: gather, nearest to the path tracer; report with --quality preview)")
       ->check(CLI::IsMember(std::vector<std::string>(std::begin(transport_names), std::end(transport_names))))
       ->capture_default_str();
   command
