@@ -24,11 +24,12 @@ void measure(gpu::Context& context, const Arguments& a, int grid, nlohmann::json
   gpu::Commands commands(context);
   for (int i = 0; i < a.sweeps; ++i)
     commands.dispatch(passes.smooth[1], multigrid.threads(0),
-                      {{"tiles", multigrid.tiles().packed},
+                      {{"bricks", multigrid.bricks().packed},
                        {"stencil", level.stencil},
+                       {"inverse_l1", level.inverse_l1},
+                       {"pairs", multigrid.pairs()},
                        {"x", i & 1 ? level.spare : level.x},
                        {"partials", body.diffusion().pcg().partials()},
-                       {"inverse_l1", level.inverse_l1},
                        {"b", level.b},
                        {"smoothed", i & 1 ? level.x : level.spare}},
                       LevelPush{level.cells, level.cells, 0.7f});

@@ -20,18 +20,12 @@ struct ExitPush {
   std::uint32_t first;
 };
 
-TileList tile_list(gpu::Context& context, const Domain& domain) {
-  const glm::ivec3 counts = tile_counts(domain.frame);
-  std::vector<std::uint32_t> tiles = gpu::download<std::uint32_t>(context, domain.tiles);
-  tiles.resize(domain.summary.active_tiles);
-  for (std::uint32_t& tile : tiles) {
-    const int t = static_cast<int>(tile), x = t % counts.x, y = t / counts.x % counts.y, z = t / (counts.x * counts.y);
-    tile = x | y << 10 | z << 20;
-  }
-  return {gpu::make_buffer(context, tiles, "diffusion tiles"), static_cast<int>(tiles.size())};
+std::vector<std::uint8_t> active_cells(gpu::Context& context, const Domain& domain) {
+  const std::vector<float> volume = gpu::download<float>(context, domain.volume);
+  std::vector<std::uint8_t> active(volume.size());
+  std::transform(volume.begin(), volume.end(), active.begin(), [](float v) { return v > 0; });
+  return active;
 }
-
-static_assert(4 * DIFFUSION_TILE_X == tile_size_x && DIFFUSION_TILE_Y == tile_size_y);
 
 gpu::Image surface_image(gpu::Context& context, const Domain& domain, const std::string& name) {
   return gpu::image3d(context, domain.frame.cells, VK_FORMAT_R32G32B32A32_SFLOAT, name);
@@ -67,7 +61,6 @@ Diffusion::Diffusion(gpu::Context& context, const DiffusionPasses& solver_passes
       A_(boundary_constant(internal_diffuse_reflectance(eta))),
       f_dt_(1 - internal_diffuse_reflectance(eta)),
       cut_count_(static_cast<int>(domain.summary.cut_cells) + 1),
-      tiles_(tile_list(context, domain)),
       kappa_(packed_image(context, domain.frame.cells, medium.channels, 1, "kappa")),
       absorption_(packed_image(context, domain.frame.cells, medium.channels, 1, "absorption")),
       surface_{surface_image(context, domain, "surface fluence, up"),
@@ -84,7 +77,8 @@ Diffusion::Diffusion(gpu::Context& context, const DiffusionPasses& solver_passes
       face_fluxes_(context, std::size_t(medium.channels) * cut_count_ * 6 * sizeof(float), "face corrections"),
       facet_offsets_(context, std::size_t(medium.channels) * cut_count_ * sizeof(float), "facet corrections"),
       options_(options),
-      multigrid_(context, solver_passes, domain.frame.cells, medium.channels, tiles_, options.multigrid),
+      multigrid_(context, solver_passes, domain.frame.cells, medium.channels, active_cells(context, domain),
+                 options.multigrid),
       pcg_(context, solver_passes, multigrid_, options) {
   gpu::Commands commands(context);
   commands.fill(scales_);
@@ -105,7 +99,7 @@ void Diffusion::set_medium(MediumSamples medium) {
   {
     const auto scope = commands.time("diffusion operator");
     commands.dispatch(passes_.assemble, multigrid_.threads(0),
-                      {{"tiles", tiles_.packed},
+                      {{"bricks", multigrid_.bricks().packed},
                        {"cut_index", domain_.cut_index},
                        {"cut_cells", domain_.cut_cells},
                        {"volume", domain_.volume},
@@ -144,7 +138,7 @@ void Diffusion::record_source(gpu::Commands& commands, const FacetLight& light, 
                     surface_push(light.sides));
   const glm::vec3 per_power(1.0 / (kappa_scale_ * double(domain_.frame.h)));
   commands.dispatch(passes_.source[corrected][light.volume != nullptr], multigrid_.threads(0),
-                    {{"tiles", tiles_.packed},
+                    {{"bricks", multigrid_.bricks().packed},
                      {"cut_index", domain_.cut_index},
                      {"cut_cells", domain_.cut_cells},
                      {"cell_sources", cell_sources_},
@@ -156,10 +150,12 @@ void Diffusion::record_source(gpu::Commands& commands, const FacetLight& light, 
 }
 
 void Diffusion::record_rescale(gpu::Commands& commands) {
-  commands.dispatch(
-      passes_.rescale, multigrid_.threads(0),
-      {{"tiles", tiles_.packed}, {"scales", scales_}, {"high", pcg_.solution()}, {"low", pcg_.solution_rest()}},
-      surface_push());
+  commands.dispatch(passes_.rescale, multigrid_.threads(0),
+                    {{"bricks", multigrid_.bricks().packed},
+                     {"scales", scales_},
+                     {"high", pcg_.solution()},
+                     {"low", pcg_.solution_rest()}},
+                    surface_push());
 }
 
 void Diffusion::record_gradients(gpu::Commands& commands, const FacetLight& light) {
@@ -257,7 +253,7 @@ EnergyBalance Diffusion::energy(const FacetLight& light) {
   gpu::Commands commands(context_);
   const LevelPush level{domain_.frame.cells, domain_.frame.cells, 0};
   commands.dispatch(passes_.absorbed, multigrid_.threads(0),
-                    {{"tiles", tiles_.packed},
+                    {{"bricks", multigrid_.bricks().packed},
                      {"partials", pcg_.partials()},
                      {"volume", domain_.volume},
                      {"absorption", absorption_},

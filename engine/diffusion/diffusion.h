@@ -95,7 +95,6 @@ class Diffusion {
   const Domain& domain_;
   double A_, f_dt_;
   int cut_count_;  // entry 0 included
-  TileList tiles_;
   gpu::Image kappa_, absorption_, surface_[2], surface_gamma_[2];
   gpu::Buffer near_cells_, facets_, conductances_, scales_, gradients_, energy_sums_;
   gpu::Buffer cell_sources_, face_fluxes_, facet_offsets_;

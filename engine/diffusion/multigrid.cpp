@@ -12,14 +12,16 @@ namespace alabaster {
 
 DiffusionPasses::DiffusionPasses(gpu::Context& c)
     : diagonals{{c, "diffusion/diagonals.comp", {0}}, {c, "diffusion/diagonals.comp", {1}}},
+      pack{c, "diffusion/pack.comp", {1}},
       weights{{c, "diffusion/weights.comp", {0}}, {c, "diffusion/weights.comp", {1}}},
       deficits{{c, "diffusion/deficits.comp", {0}}, {c, "diffusion/deficits.comp", {1}}},
       galerkin{{c, "diffusion/galerkin.comp", {0}}, {c, "diffusion/galerkin.comp", {1}}},
       smooth{{c, "diffusion/smooth.comp", {0, 0}}, {c, "diffusion/smooth.comp", {1, 0}}},
       smooth_dot{c, "diffusion/smooth.comp", {1, 1}},
+      defect{{c, "diffusion/defect.comp", {0}}, {c, "diffusion/defect.comp", {1}}},
       residual{{c, "diffusion/residual.comp", {0}}, {c, "diffusion/residual.comp", {1}}},
       restrict_residual{c, "diffusion/restrict.comp"},
-      prolong{{c, "diffusion/prolong.comp", {0}}, {c, "diffusion/prolong.comp", {1}}},
+      prolong{c, "diffusion/prolong.comp"},
       direct{c, "diffusion/direct.comp"},
       renew{c, "diffusion/renew.comp"},
       combine{c, "diffusion/combine.comp"},
@@ -42,22 +44,63 @@ std::vector<float> chebyshev_omegas(int steps, double lowest) {
   return omegas;
 }
 
-gpu::Image packed_image(gpu::Context& context, glm::ivec3 cells, int channels, int entries, const std::string& name) {
-  gpu::Image image = gpu::image3d(context, {(cells.x + 3) / 4 * entries, cells.y, cells.z * channels},
-                                  VK_FORMAT_R32G32B32A32_SFLOAT, "diffusion " + name);
+gpu::Image packed_image(gpu::Context& context, glm::ivec3 cells, int channels, int entries, const std::string& name,
+                        VkFormat format) {
+  gpu::Image image =
+      gpu::image3d(context, {(cells.x + 3) / 4 * entries, cells.y, cells.z * channels}, format, "diffusion " + name);
   gpu::Commands commands(context);
   commands.clear(image);
   commands.submit();
   return image;
 }
 
+namespace {
+
+// Coarse cells with a cell of the finer level within reach of their interpolation.
+std::vector<std::uint8_t> coarser(glm::ivec3 n, const std::vector<std::uint8_t>& active) {
+  const glm::ivec3 m = (n + 1) / 2;
+  std::vector<std::uint8_t> result(std::size_t(m.x) * m.y * m.z);
+  for (int z = 0; z < n.z; ++z)
+    for (int y = 0; y < n.y; ++y)
+      for (int x = 0; x < n.x; ++x) {
+        if (!active[x + std::size_t(n.x) * (y + std::size_t(n.y) * z)]) continue;
+        const glm::ivec3 low = glm::ivec3(x, y, z) / 2, high = glm::min((glm::ivec3(x, y, z) + 1) / 2, m - 1);
+        for (int k = low.z; k <= high.z; ++k)
+          for (int j = low.y; j <= high.y; ++j)
+            for (int i = low.x; i <= high.x; ++i) result[i + std::size_t(m.x) * (j + std::size_t(m.y) * k)] = 1;
+      }
+  return result;
+}
+
+}  // namespace
+
+BrickList make_bricks(gpu::Context& context, glm::ivec3 n, const std::vector<std::uint8_t>& active) {
+  constexpr int width = 4 * DIFFUSION_BRICK_X, height = DIFFUSION_BRICK_Y, group = DIFFUSION_GROUP / 8;
+  const glm::ivec2 counts{(n.x + width - 1) / width, (n.y + height - 1) / height};
+  std::vector<std::uint32_t> list;
+  std::vector<std::uint8_t> held(std::size_t(counts.x) * counts.y);
+  for (int z = 0; z < n.z; ++z) {
+    std::fill(held.begin(), held.end(), std::uint8_t(0));
+    for (int y = 0; y < n.y; ++y)
+      for (int x = 0; x < n.x; ++x)
+        held[x / width + counts.x * (y / height)] |= active[x + std::size_t(n.x) * (y + std::size_t(n.y) * z)];
+    for (int b = 0; b < counts.x * counts.y; ++b)
+      if (held[b])
+        list.push_back(std::uint32_t(b % counts.x) | std::uint32_t(b / counts.x) << 10 | std::uint32_t(z) << 20);
+  }
+  while (list.empty() || list.size() % group != 0) list.push_back(DIFFUSION_NO_BRICK);
+  return {gpu::make_buffer(context, list, "diffusion bricks"), static_cast<int>(list.size())};
+}
+
 Multigrid::Multigrid(gpu::Context& context, const DiffusionPasses& passes, glm::ivec3 cells, int channels,
-                     const TileList& tiles, const CycleOptions& options)
-    : context_(context), passes_(passes), channels_(channels), tiles_(tiles), options_(options) {
+                     std::vector<std::uint8_t> active, const CycleOptions& options)
+    : context_(context), passes_(passes), channels_(channels), options_(options) {
   for (bool last = false; !last; cells = (cells + 1) / 2) {
     last = !levels_.empty() && cells.x * cells.y * cells.z <= options.direct_cells;
     MultigridLevel level;
     level.cells = cells;
+    level.bricks = make_bricks(context, cells, active);
+    if (!last) active = coarser(cells, active);
     const int entries = levels_.empty() ? DIFFUSION_FINEST_ENTRIES : DIFFUSION_COARSE_ENTRIES;
     level.stencil = packed_image(context, cells, channels, entries, "stencil");
     level.inverse_l1 = packed_image(context, cells, channels, 1, "inverse l1");
@@ -66,16 +109,13 @@ Multigrid::Multigrid(gpu::Context& context, const DiffusionPasses& passes, glm::
       *v = packed_image(context, cells, channels, 1, "vector");
     levels_.push_back(std::move(level));
   }
+  pairs_ = packed_image(context, levels_[0].cells, channels, DIFFUSION_PAIRS, "pairs", VK_FORMAT_R32G32B32A32_UINT);
   const MultigridLevel& coarsest = levels_.back();
   const std::size_t padded = std::size_t(4) * coarsest.texels_x() * coarsest.cells.y * coarsest.cells.z;
   inverse_ = gpu::Buffer(context, channels * padded * padded * sizeof(float), "diffusion coarsest inverse");
 }
 
-glm::uvec3 Multigrid::threads(std::size_t l) const {
-  if (l == 0) return {tiles_.count * DIFFUSION_TILE_X, channels_ * DIFFUSION_TILE_Y, 1};
-  const MultigridLevel& level = levels_[l];
-  return {level.texels_x(), level.cells.y, level.cells.z * channels_};
-}
+glm::uvec3 Multigrid::threads(std::size_t l) const { return {levels_[l].bricks.count * 8, channels_, 1}; }
 
 LevelPush Multigrid::push(std::size_t l, float omega, float step) const {
   return {levels_[l].cells, levels_[std::min(l + 1, levels_.size() - 1)].cells, omega, step};
@@ -88,23 +128,39 @@ void Multigrid::set_up() {
     const bool finest = l == 0;
     MultigridLevel& level = levels_[l];
     commands.dispatch(passes_.diagonals[finest], threads(l),
-                      {{"tiles", tiles_.packed},
+                      {{"bricks", level.bricks.packed},
                        {"stencil", level.stencil},
                        {"inverse_l1", level.inverse_l1},
                        {"diagonal", level.spare},
                        {"row_sum", level.b}},
                       push(l));
     if (l + 1 == levels_.size()) break;
-    const glm::ivec3 n = levels_[l + 1].cells;
-    commands.dispatch(passes_.weights[finest], {n.x, n.y, n.z * channels_},
-                      {{"stencil", level.stencil}, {"diagonal", level.spare}, {"weights", level.weights}}, push(l));
+    const MultigridLevel& coarse = levels_[l + 1];
+    if (finest)
+      commands.dispatch(passes_.pack, threads(l),
+                        {{"bricks", level.bricks.packed},
+                         {"stencil", level.stencil},
+                         {"inverse_l1", level.inverse_l1},
+                         {"pairs", pairs_}},
+                        push(l));
+    int first = 0;
+    for (const int count : {1, 6, 12, 8}) {  // entries with 0 to 3 odd coordinates
+      commands.dispatch(passes_.weights[finest], {coarse.bricks.count * 8, channels_, count},
+                        {{"bricks", coarse.bricks.packed},
+                         {"stencil", level.stencil},
+                         {"diagonal", level.spare},
+                         {"weights", level.weights}},
+                        WeightsPush{level.cells, coarse.cells, first});
+      first += count;
+    }
     record_row_sums(commands, l);
-    commands.dispatch(passes_.galerkin[finest], {n.x, n.y, n.z * channels_ * DIFFUSION_COARSE_ENTRIES},
-                      {{"stencil", level.stencil},
+    commands.dispatch(passes_.galerkin[finest], {coarse.bricks.count * 8, channels_, 5},
+                      {{"bricks", coarse.bricks.packed},
+                       {"stencil", level.stencil},
                        {"diagonal", level.spare},
                        {"weights", level.weights},
-                       {"row_sums", levels_[l + 1].b},
-                       {"coarse_stencil", levels_[l + 1].stencil}},
+                       {"row_sums", coarse.b},
+                       {"coarse_stencil", coarse.stencil}},
                       push(l));
   }
   commands.submit();
@@ -123,9 +179,9 @@ void Multigrid::record_row_sums(gpu::Commands& commands, std::size_t l) {
   MultigridLevel &level = levels_[l], &coarse = levels_[l + 1];
   const gpu::Image *v = &level.x, *next = &level.r;
   commands.clear(level.x);
-  for (int odd = 0; odd <= 3; ++odd) {
+  for (int odd = 1; odd <= 3; ++odd) {
     commands.dispatch(passes_.deficits[finest], threads(l),
-                      {{"tiles", tiles_.packed},
+                      {{"bricks", level.bricks.packed},
                        {"stencil", level.stencil},
                        {"diagonal", level.spare},
                        {"before", *v},
@@ -135,9 +191,10 @@ void Multigrid::record_row_sums(gpu::Commands& commands, std::size_t l) {
   }
   commands.dispatch(
       passes_.residual[finest], threads(l),
-      {{"tiles", tiles_.packed}, {"stencil", level.stencil}, {"x", *v}, {"b", level.b}, {"residual", *next}}, push(l));
+      {{"bricks", level.bricks.packed}, {"stencil", level.stencil}, {"x", *v}, {"b", level.b}, {"residual", *next}},
+      push(l));
   commands.dispatch(passes_.restrict_residual, threads(l + 1),
-                    {{"tiles", tiles_.packed},
+                    {{"bricks", coarse.bricks.packed},
                      {"residual", *next},
                      {"weights", level.weights},
                      {"inverse_l1", coarse.inverse_l1},
@@ -184,11 +241,12 @@ void Multigrid::record_smooth(gpu::Commands& commands, std::size_t l, const gpu:
                               const gpu::Image& from, const gpu::Image& to, const gpu::Buffer& partials) {
   const MultigridLevel& level = levels_[l];
   commands.dispatch(pass, threads(l),
-                    {{"tiles", tiles_.packed},
+                    {{"bricks", level.bricks.packed},
                      {"stencil", level.stencil},
+                     {"inverse_l1", level.inverse_l1},
+                     {"pairs", pairs_},
                      {"x", from},
                      {"partials", partials},
-                     {"inverse_l1", level.inverse_l1},
                      {"b", level.b},
                      {"smoothed", to}},
                     push(l, omega));
@@ -209,17 +267,18 @@ const gpu::Image& Multigrid::record_level(gpu::Commands& commands, std::size_t l
   if (l != 1 || visits_.size() == 1) return first;
   const gpu::Image& other = &first == &level.x ? level.spare : level.x;
   commands.dispatch(passes_.renew, threads(l),  // kept = step x, b -= A kept, and the first smoothing step for that b
-                    {{"tiles", tiles_.packed},
+                    {{"bricks", level.bricks.packed},
                      {"stencil", level.stencil},
-                     {"x", first},
                      {"inverse_l1", level.inverse_l1},
+                     {"pairs", pairs_},
+                     {"x", first},
                      {"b", level.b},
                      {"smoothed", other},
                      {"kept", kept_}},
                     push(l, omegas_.front(), visits_[0]));
   const gpu::Image& second = record_visit(commands, l, other, first, partials);
   commands.dispatch(passes_.combine, threads(l),  // x = kept + step x
-                    {{"tiles", tiles_.packed}, {"kept", kept_}, {"x", second}}, push(l, 0, visits_[1]));
+                    {{"bricks", level.bricks.packed}, {"kept", kept_}, {"x", second}}, push(l, 0, visits_[1]));
   return second;
 }
 
@@ -234,13 +293,18 @@ const gpu::Image& Multigrid::record_visit(gpu::Commands& commands, std::size_t l
     std::swap(x, spare);
   };
   for (std::size_t s = 1; s < omegas_.size(); ++s) smooth(passes_.smooth[finest], omegas_[s]);
-  commands.dispatch(
-      passes_.residual[finest], threads(l),  // r = b - A x
-      {{"tiles", tiles_.packed}, {"stencil", level.stencil}, {"x", *x}, {"b", level.b}, {"residual", level.r}},
-      push(l));
+  commands.dispatch(passes_.defect[finest], threads(l),  // r = b - A x
+                    {{"bricks", level.bricks.packed},
+                     {"stencil", level.stencil},
+                     {"inverse_l1", level.inverse_l1},
+                     {"pairs", pairs_},
+                     {"x", *x},
+                     {"b", level.b},
+                     {"defect", level.r}},
+                    push(l));
   const MultigridLevel& coarse = levels_[l + 1];
   commands.dispatch(passes_.restrict_residual, threads(l + 1),  // b' = P^T r
-                    {{"tiles", tiles_.packed},
+                    {{"bricks", coarse.bricks.packed},
                      {"residual", level.r},
                      {"weights", level.weights},
                      {"inverse_l1", coarse.inverse_l1},
@@ -248,9 +312,9 @@ const gpu::Image& Multigrid::record_visit(gpu::Commands& commands, std::size_t l
                      {"x", coarse.x}},
                     push(l, omegas_.front()));
   const gpu::Image& correction = record_level(commands, l + 1, partials);
-  commands.dispatch(passes_.prolong[finest], threads(l),  // x += P x'
-                    {{"tiles", tiles_.packed}, {"weights", level.weights}, {"correction", correction}, {"x", *x}},
-                    push(l));
+  commands.dispatch(
+      passes_.prolong, threads(l + 1),  // x += P x'
+      {{"bricks", coarse.bricks.packed}, {"weights", level.weights}, {"correction", correction}, {"x", *x}}, push(l));
   for (std::size_t s = omegas_.size(); s-- > 0;)
     smooth(finest && s == 0 ? passes_.smooth_dot : passes_.smooth[finest], omegas_[s]);
   return *x;

@@ -15,8 +15,8 @@ namespace alabaster {
 /// The solver's pipelines, made once a context.
 struct DiffusionPasses {
   explicit DiffusionPasses(gpu::Context& context);
-  gpu::Pass diagonals[2], weights[2], deficits[2], galerkin[2];  // [finest]
-  gpu::Pass smooth[2], smooth_dot, residual[2], restrict_residual, prolong[2], direct, renew, combine;
+  gpu::Pass diagonals[2], pack, weights[2], deficits[2], galerkin[2];  // [finest]
+  gpu::Pass smooth[2], smooth_dot, defect[2], residual[2], restrict_residual, prolong, direct, renew, combine;
   gpu::Pass apply_dot, norm, update, start, direction[2], reduce;  // direction[deflated]
   gpu::Pass islands[2], lifts, lift;                               // islands[start]
 };
@@ -24,14 +24,18 @@ struct DiffusionPasses {
 /// Factors of x += omega D^-1 (b - A x) that make `steps` such steps the Chebyshev iteration of [lowest, 1].
 std::vector<float> chebyshev_omegas(int steps, double lowest);
 
-/// The active part of the finest level: tiles of 8 x 16 texels (32 x 16 x 1 cells), packed x | y << 10 | z << 20.
-struct TileList {
+/// The part of a level that holds cells: bricks (shared/diffusion.h), filled up to whole workgroups.
+struct BrickList {
   gpu::Buffer packed;
   int count = 0;
 };
 
+/// The bricks of a grid of n cells in which `active`, one value a cell, x fastest, is not zero.
+BrickList make_bricks(gpu::Context& context, glm::ivec3 n, const std::vector<std::uint8_t>& active);
+
 struct MultigridLevel {
   glm::ivec3 cells{0};
+  BrickList bricks;
   gpu::Image stencil;     // DIFFUSION_FINEST_ENTRIES or DIFFUSION_COARSE_ENTRIES along x
   gpu::Image inverse_l1;  // reciprocal l1 norm of the rows
   gpu::Image weights;     // DIFFUSION_WEIGHTS along x, on the next coarser grid; none on the coarsest level
@@ -41,9 +45,10 @@ struct MultigridLevel {
 
 class Multigrid {
  public:
-  /// `cells` of the finest level, x a multiple of 4, with a margin of one empty cell all around; `tiles` outlives this.
-  Multigrid(gpu::Context& context, const DiffusionPasses& passes, glm::ivec3 cells, int channels, const TileList& tiles,
-            const CycleOptions& options = {});
+  /// `cells` of the finest level, x a multiple of 4, with a margin of one empty cell all around; `active`: not
+  /// zero for the cells that the finest stencil has, x fastest.
+  Multigrid(gpu::Context& context, const DiffusionPasses& passes, glm::ivec3 cells, int channels,
+            std::vector<std::uint8_t> active, const CycleOptions& options = {});
 
   /// Builds everything below the finest stencil, which the caller has written, and finds its islands.
   void set_up();
@@ -56,10 +61,11 @@ class Multigrid {
   std::vector<MultigridLevel>& levels() { return levels_; }
   float first_omega() const { return omegas_.front(); }
   int channels() const { return channels_; }
-  const TileList& tiles() const { return tiles_; }
+  const BrickList& bricks(std::size_t level = 0) const { return levels_[level].bricks; }
+  const gpu::Image& pairs() const { return pairs_; }
   const Deflation& deflation() const { return deflation_; }
   int generation() const { return generation_; }  // how often it was set up
-  /// Threads that cover a level (the finest one by its tiles).
+  /// Threads that cover a level by its bricks.
   glm::uvec3 threads(std::size_t level) const;
 
  private:
@@ -75,17 +81,18 @@ class Multigrid {
   gpu::Context& context_;
   const DiffusionPasses& passes_;
   int channels_;
-  const TileList& tiles_;
   CycleOptions options_;
   std::vector<float> omegas_, visits_;  // factors of the smoothing steps, and of the visits to the first coarse level
   gpu::Image kept_;                     // what the first of two visits brought
   std::vector<MultigridLevel> levels_;
+  gpu::Image pairs_;  // the finest stencil for the cycle: DIFFUSION_PAIRS along x
   gpu::Buffer inverse_;
   Deflation deflation_;
   int generation_ = 0;
 };
 
-/// A zero-filled image for `cells` cells, `entries` a cell, of rgba32f texels.
-gpu::Image packed_image(gpu::Context& context, glm::ivec3 cells, int channels, int entries, const std::string& name);
+/// A zero-filled image for `cells` cells, `entries` a cell, of texels of four words.
+gpu::Image packed_image(gpu::Context& context, glm::ivec3 cells, int channels, int entries, const std::string& name,
+                        VkFormat format = VK_FORMAT_R32G32B32A32_SFLOAT);
 
 }  // namespace alabaster

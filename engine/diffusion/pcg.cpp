@@ -40,14 +40,14 @@ void Pcg::record_residual(gpu::Commands& commands) {
   const glm::uvec3 threads = multigrid_.threads(0);
   const LevelPush push{level.cells, level.cells, multigrid_.first_omega()};
   commands.dispatch(passes_.residual[1], threads,  // spare = b - A low
-                    {{"tiles", multigrid_.tiles().packed},
+                    {{"bricks", multigrid_.bricks().packed},
                      {"stencil", level.stencil},
                      {"x", low_},
                      {"b", rhs_},
                      {"residual", level.spare}},
                     push);
   commands.dispatch(passes_.start, threads,  // r = spare - A high
-                    {{"tiles", multigrid_.tiles().packed},
+                    {{"bricks", multigrid_.bricks().packed},
                      {"stencil", level.stencil},
                      {"x", high_},
                      {"partials", partials_},
@@ -81,14 +81,14 @@ void Pcg::record_start() {
   const LevelPush push{level.cells, level.cells, 0};
   start_ = std::make_unique<gpu::Commands>(context_);
   const auto scope = start_->time("diffusion residual");
-  start_->dispatch(passes_.norm, threads, {{"tiles", multigrid_.tiles().packed}, {"partials", partials_}, {"x", rhs_}},
-                   push);
+  start_->dispatch(passes_.norm, threads,
+                   {{"bricks", multigrid_.bricks().packed}, {"partials", partials_}, {"x", rhs_}}, push);
   reduce(*start_, DIFFUSION_REDUCE_START);
   record_residual(*start_);
   if (deflation.count() > 0) {  // x += Z E^-1 Z^T r
     record_islands(*start_, true, level.x);
     start_->dispatch(passes_.lift, threads,
-                     {{"tiles", multigrid_.tiles().packed},
+                     {{"bricks", multigrid_.bricks().packed},
                       {"labels", deflation.labels()},
                       {"lifts", deflation.lifts()},
                       {"high", high_},
@@ -103,7 +103,7 @@ void Pcg::record_batch() {
   MultigridLevel& level = multigrid_.finest();
   const Deflation& deflation = multigrid_.deflation();
   const bool deflated = deflation.count() > 0;
-  const gpu::Buffer& tiles = multigrid_.tiles().packed;
+  const gpu::Buffer& bricks = multigrid_.bricks().packed;
   const glm::uvec3 threads = multigrid_.threads(0);
   const LevelPush push{level.cells, level.cells, multigrid_.first_omega()};
   batch_ = std::make_unique<gpu::Commands>(context_);
@@ -114,7 +114,7 @@ void Pcg::record_batch() {
     reduce(commands, DIFFUSION_REDUCE_BETA);                             // r . Z c = 0: z's lift adds nothing to r . z
     if (deflated) record_islands(commands, false, z);
     commands.dispatch(passes_.direction[deflated], threads,
-                      {{"tiles", tiles},
+                      {{"bricks", bricks},
                        {"scalars", scalars_},
                        {"labels", deflation.labels()},
                        {"lifts", deflation.lifts()},
@@ -123,10 +123,11 @@ void Pcg::record_batch() {
                       push);
     commands.dispatch(
         passes_.apply_dot, threads,  // q = A p
-        {{"tiles", tiles}, {"stencil", level.stencil}, {"x", p_}, {"partials", partials_}, {"product", level.r}}, push);
+        {{"bricks", bricks}, {"stencil", level.stencil}, {"x", p_}, {"partials", partials_}, {"product", level.r}},
+        push);
     reduce(commands, DIFFUSION_REDUCE_ALPHA);
     commands.dispatch(passes_.update, threads,
-                      {{"tiles", tiles},
+                      {{"bricks", bricks},
                        {"partials", partials_},
                        {"scalars", scalars_},
                        {"inverse_l1", level.inverse_l1},

@@ -43,7 +43,7 @@ class Pcg {
   gpu::Image& solution() { return high_; }      // x, to single precision
   gpu::Image& solution_rest() { return low_; }  // x = solution + rest is what the residual is computed from
   const gpu::Buffer& partials() const { return partials_; }
-  int partials_per_channel() const { return multigrid_.tiles().count * DIFFUSION_PARTIALS; }
+  int partials_per_channel() const { return multigrid_.bricks().count; }
 
  private:
   void record();

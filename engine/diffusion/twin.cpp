@@ -161,12 +161,12 @@ std::vector<double> chebyshev_omegas(int steps, double lowest) {
 
 Multigrid::Multigrid(Operator finest, CycleOptions options) : options_(options) {
   const Smoothing& smoothing = islands_of(finest).rough ? options.rough : options.even;
-  levels_.push_back({std::move(finest), {}, {}, {}, {}});
+  levels_.push_back({std::move(finest), {}, {}, {}, {}, {}});
   while (true) {
     glm::ivec3 n = levels_.back().a.grid.n;
     if (!interpolations_.empty() && n.x * n.y * n.z <= options.direct_cells) break;
     interpolations_.emplace_back(levels_.back().a);
-    levels_.push_back({interpolations_.back().galerkin(levels_.back().a), {}, {}, {}, {}});
+    levels_.push_back({interpolations_.back().galerkin(levels_.back().a), {}, {}, {}, {}, {}});
   }
   for (Level& level : levels_) {
     level.inverse_l1 = level.a.inverse_l1();
@@ -203,7 +203,7 @@ void Multigrid::smooth(Level& level, bool from_zero) {
       for (std::size_t i = 0; i < level.x.size(); ++i) level.x[i] = omegas_[s] * level.inverse_l1[i] * level.b[i];
       continue;
     }
-    level.a.apply(level.x, level.r);
+    level.in_cycle().apply(level.x, level.r);
     tbb::parallel_for(std::size_t(0), level.x.size(), [&](std::size_t i) {
       level.x[i] += omegas_[s] * level.inverse_l1[i] * (level.b[i] - level.r[i]);
     });
@@ -217,7 +217,7 @@ void Multigrid::solve_level(std::size_t l) {
   Level& level = levels_[l];
   Vector kept = level.x;
   for (double& v : kept) v *= visits_[0];
-  level.a.apply(kept, level.r);
+  level.in_cycle().apply(kept, level.r);
   for (std::size_t i = 0; i < level.b.size(); ++i) level.b[i] -= level.r[i];
   cycle(l);
   for (std::size_t i = 0; i < level.x.size(); ++i) level.x[i] = kept[i] + visits_[1] * level.x[i];
@@ -235,12 +235,17 @@ void Multigrid::cycle(std::size_t l) {
     return;
   }
   smooth(level, true);
-  level.a.apply(level.x, level.r);  // r = b - A x
+  level.in_cycle().apply(level.x, level.r);  // r = b - A x
   for (std::size_t i = 0; i < level.r.size(); ++i) level.r[i] = level.b[i] - level.r[i];
   interpolations_[l].restrict_to(level.r, levels_[l + 1].b);  // b' = P^T r
   solve_level(l + 1);
   interpolations_[l].prolong_add(levels_[l + 1].x, level.x);  // x += P x'
   smooth(level, false);
+}
+
+void Multigrid::smooth_with(std::size_t l, Operator rounded, Vector inverse_l1) {
+  levels_[l].rounded = std::move(rounded);
+  levels_[l].inverse_l1 = std::move(inverse_l1);
 }
 
 void Multigrid::precondition(const Vector& r, Vector& z) {

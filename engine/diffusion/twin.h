@@ -65,8 +65,10 @@ struct Interpolation {
 
 struct Level {
   Operator a;
+  Operator rounded;  // what the cycle applies in place of a, where the device's has fewer digits; empty: a itself
   Vector inverse_l1;
   Vector x, b, r;
+  const Operator& in_cycle() const { return rounded.couplings.empty() ? a : rounded; }
 };
 
 /// Symmetric V-cycle: a preconditioner for conjugate gradients.
@@ -77,6 +79,8 @@ class Multigrid {
   const Operator& finest() const { return levels_.front().a; }
   const std::vector<Level>& levels() const { return levels_; }
   const std::vector<Interpolation>& interpolations() const { return interpolations_; }
+  /// The cycle smooths level l with `rounded` and `inverse_l1` from now on.
+  void smooth_with(std::size_t l, Operator rounded, Vector inverse_l1);
 
  private:
   void cycle(std::size_t l);

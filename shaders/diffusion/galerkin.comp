@@ -1,54 +1,109 @@
-// The coarse operator P^T A P, one entry k of one coarse cell an invocation; workgroup z = slice * 14 + k. The sums of
-// its rows are made apart (deficits.comp) and taken over.
+// The coarse operator P^T A P. An invocation has a texel of four coarse cells I and the three entries towards
+// I + (-1..1, D), D = (-1..1, -1), (-1, 0), (0, 0): workgroup z. Rows of fine cells d (as seen from 2 I), their
+// neighbours' rows d + e, and along x all that is within reach. The rows' sums are made apart (deficits.comp) and taken
+// over.
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#include "diffusion/level.glsl"
 #include "diffusion/setup.glsl"
 layout(binding = 6, rgba32f) uniform writeonly image3D coarse_stencil;
 layout(binding = 7, rgba32f) uniform readonly image3D weights;
 layout(binding = 8, rgba32f) uniform readonly image3D row_sums;  // of the coarse operator
-shared float results[group_cells];
 
-float weight(int k, ivec3 coarse_cell) {
-  return imageLoad(weights, ivec3(k * texels(push.coarse_cells.x) + (coarse_cell.x >> 2), coarse_cell.yz))[coarse_cell.x & 3];
+vec4 weight(int k, ivec3 coarse_texel) {
+  return imageLoad(weights, ivec3(k * texels(push.coarse_cells.x) + coarse_texel.x, coarse_texel.yz));
 }
 
-// The share of all couplings i -> i + e: sum over fine cells i = 2 I + d of P(i, I) A(i, i + e) P(i + e, I + D).
-float share(ivec3 e, ivec3 D, ivec3 coarse, ivec3 other, ivec3 base, bool active_, bool own) {
-  ivec3 low = max(ivec3(-1), 2 * D - 1 - e), high = active_ ? min(ivec3(1), 2 * D + 1 - e) : ivec3(-2);
-  float sum = 0;
-  for (int z = low.z; z <= high.z; ++z)
-    for (int y = low.y; y <= high.y; ++y)
-      for (int x = low.x; x <= high.x; ++x) {
-        ivec3 d = ivec3(x, y, z);
-        float a = own ? fine_diagonal(base + d) : coupling(base + d, e);
-        sum += weight(entry(d), coarse) * a * weight(entry(d + e - 2 * D), other);
-      }
-  return sum;
+int row_entry(ivec2 d) { return 3 * (d.x + 1) + 9 * (d.y + 1); }  // with x-offset -1
+
+struct Rows {
+  ivec3 coarse, other, fine;  // texels of I, of I + (0, D), and of 2 I
+  vec3 within;                // 1 where I + (-1..1, D) may lie in the grid
+};
+
+vec4 sums[3];  // towards I + (-1, D), I + (0, D), I + (1, D)
+
+// Adds couplings[ex + 1][dx + 1] = A(i, i + (ex, e)) of the fine cells i = 2 I + (dx, d).
+void add(Rows rows, vec4 couplings[3][3], ivec2 d, ivec2 j, int least, int most) {
+  int k = row_entry(d), m = row_entry(j);
+  vec4 own[3], other[3];
+  for (int n = 0; n < 3; ++n) {
+    own[n] = weight(k + n, rows.coarse);
+    other[n] = weight(m + n, rows.other);
+  }
+  vec4 to_left[2] = {shifted_left(weight(m + 1, rows.other - step_x), other[1]),  // I - 1's own cell, and its next
+                     shifted_left(weight(m + 2, rows.other - step_x), other[2])};
+  vec4 to_right[2] = {shifted_right(other[0], weight(m, rows.other + step_x)),  // the one before I + 1's own, and that
+                      shifted_right(other[1], weight(m + 1, rows.other + step_x))};
+  // Beyond the grid another entry's weights lie.
+  to_left[0].x *= rows.within.x, to_left[1].x *= rows.within.x;
+  to_right[0].w *= rows.within.z, to_right[1].w *= rows.within.z;
+  for (int ex = least; ex <= most; ++ex)
+    for (int dx = -1; dx <= 1; ++dx) {
+      int q = dx + ex;
+      vec4 a = rows.within.y * own[dx + 1] * couplings[ex + 1][dx + 1];
+      if (abs(q) <= 1) sums[1] += a * other[q + 1];
+      if (q <= -1) sums[0] += a * to_left[q + 2];
+      if (q >= 1) sums[2] += a * to_right[q - 1];
+    }
+}
+
+// Couplings within the fine row d and to itself.
+void add_along(Rows rows, ivec2 d, ivec2 D) {
+  ivec3 t = rows.fine + ivec3(0, d);
+  Line a = line_of(finest != 0 ? 0 : 12, t);
+  float sign_ = finest != 0 ? -1 : 1;
+  vec4 couplings[3][3];
+  for (int dx = -1; dx <= 1; ++dx) {
+    couplings[0][dx + 1] = sign_ * at(a, dx);
+    couplings[1][dx + 1] = diagonal_at(t, dx);
+    couplings[2][dx + 1] = sign_ * at(a, dx + 1);
+  }
+  add(rows, couplings, d, d - 2 * D, -1, 1);
+}
+
+// Couplings between the fine rows d and d + e, e not zero: as the upper of the two has them.
+void add_across(Rows rows, ivec2 d, ivec2 e, ivec2 D) {
+  bool upper = e.y > 0 || (e.y == 0 && e.x > 0);  // is d + e
+  ivec3 t = rows.fine + ivec3(0, upper ? d + e : d);
+  vec4 couplings[3][3];
+  if (finest != 0) {
+    Line a = line_of(abs(e.x) + 2 * abs(e.y), t);
+    for (int dx = -1; dx <= 1; ++dx) couplings[1][dx + 1] = -at(a, dx);
+    add(rows, couplings, d, d + e - 2 * D, 0, 0);
+  } else {
+    for (int ex = -1; ex <= 1; ++ex) {
+      int n = row_entry(e) + ex + 1;
+      Line a = line_of(upper ? 26 - n : n, t);
+      for (int dx = -1; dx <= 1; ++dx) couplings[ex + 1][dx + 1] = upper ? at(a, dx + ex) : at(a, dx);
+    }
+    add(rows, couplings, d, d + e - 2 * D, -1, 1);
+  }
 }
 
 void main() {
-  int k = int(gl_WorkGroupID.z) % DIFFUSION_COARSE_ENTRIES, slice = int(gl_WorkGroupID.z) / DIFFUSION_COARSE_ENTRIES;
-  int channel = slice / push.coarse_cells.z;
-  ivec3 I = ivec3(gl_GlobalInvocationID.xy, slice - channel * push.coarse_cells.z), D = offset(k);
-  ivec3 coarse = ivec3(I.xy, slice), other = coarse + D, base = 2 * I + ivec3(0, 0, channel * push.cells.z);
-  float any_weight = 0;
-  for (int m = 0; m < DIFFUSION_WEIGHTS; ++m) any_weight += abs(weight(m, coarse));
-  bool active_ = k != DIFFUSION_ROW_SUM && any_weight > 0 && in_grid(I, push.coarse_cells) && in_grid(I + D, push.coarse_cells);
-  float sum = share(ivec3(0), D, coarse, other, base, active_, true);
-  for (int n = 0; n < (finest != 0 ? 6 : 26); ++n) {
-    ivec3 e = offset(n < 13 ? n : n + 1);
-    if (finest != 0) {
-      e = ivec3(0);
-      e[n >> 1] = 2 * (n & 1) - 1;
+  ivec3 coarse = texel_of(push.coarse_cells.z);
+  int channel = channel_here(), nx4 = texels(push.coarse_cells.x), group = int(gl_WorkGroupID.z);
+  if (coarse.x >= nx4) return;
+  ivec2 D = ivec2(group % 3, group / 3) - 1;
+  int layer = coarse.z - channel * push.coarse_cells.z;
+  float within = float(uint(layer + D.y) < uint(push.coarse_cells.z));
+  Rows rows = Rows(coarse, coarse + ivec3(0, D), ivec3(2 * coarse.xy, 2 * layer + channel * push.cells.z),
+                   vec3(coarse.x > 0, within, coarse.x + 1 < nx4));
+  for (int n = 0; n < 3; ++n) sums[n] = vec4(0);
+  for (int ez = -1; ez <= 1; ++ez) {
+    int reach = finest != 0 ? 1 - abs(ez) : 1;
+    for (int ey = -reach; ey <= reach; ++ey) {
+      ivec2 e = ivec2(ey, ez), low = max(ivec2(-1), 2 * D - 1 - e), high = min(ivec2(1), 2 * D + 1 - e);
+      bool along = e == ivec2(0);
+      for (int dz = low.y; dz <= high.y; ++dz) {  // one of the two is empty: a branch would cost both
+        for (int dy = along ? low.x : 2; dy <= high.x; ++dy) add_along(rows, ivec2(dy, dz), D);
+        for (int dy = along ? 2 : low.x; dy <= high.x; ++dy) add_across(rows, ivec2(dy, dz), e, D);
+      }
     }
-    sum += share(e, D, coarse, other, base, active_, false);
   }
-  results[gl_LocalInvocationIndex] = sum;
-  barrier();
-  int nx4 = texels(push.coarse_cells.x);
-  uint l = gl_LocalInvocationIndex;
-  ivec3 texel = ivec3(gl_WorkGroupID.x * 4 + (l & 3), gl_WorkGroupID.y * 4 + (l >> 2 & 3), slice);
-  if (l >= 16 || texel.x >= nx4) return;
-  vec4 entries = vec4(results[4 * l], results[4 * l + 1], results[4 * l + 2], results[4 * l + 3]);
-  imageStore(coarse_stencil, texel + ivec3(k * nx4, 0, 0), k == DIFFUSION_ROW_SUM ? imageLoad(row_sums, texel) : entries);
+  bool last = group == 4;  // its middle entry is the row's sum, and the one to the right is the left one's
+  imageStore(coarse_stencil, coarse + 3 * group * nx4 * step_x, sums[0]);
+  imageStore(coarse_stencil, coarse + (3 * group + 1) * nx4 * step_x, last ? imageLoad(row_sums, coarse) : sums[1]);
+  if (!last) imageStore(coarse_stencil, coarse + (3 * group + 2) * nx4 * step_x, sums[2]);
 }

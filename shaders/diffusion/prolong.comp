@@ -1,4 +1,4 @@
-// x += P correction
+// x += P correction. An invocation has a texel of four coarse cells I, and of the fine cells those from 2 I to 2 I + 1.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "diffusion/level.glsl"
@@ -7,21 +7,23 @@ layout(binding = 2, rgba32f) uniform readonly image3D correction;  // coarse lev
 layout(binding = 6, rgba32f) uniform image3D x;
 
 void main() {
-  ivec3 t = texel_here();
-  int channel = channel_here(), z = t.z - channel * push.cells.z;
-  bool upper_half = (t.x & 1) != 0;  // of the coarse texel that covers this one
-  ivec2 odd = ivec2(t.y, z) & 1;
-  ivec3 base = ivec3(t.x >> 1, t.y >> 1, (z >> 1) + channel * push.coarse_cells.z);
-  vec4 sum = vec4(0);
-  for (int up_z = 0; up_z <= odd.y; ++up_z)
-    for (int up_y = 0; up_y <= odd.x; ++up_y) {
-      ivec3 s = base + ivec3(0, up_y, up_z);
-      int row = 3 * ((odd.x - 2 * up_y + 1) + 3 * (odd.y - 2 * up_z + 1));  // entry with x-offset -1
-      vec4 from = imageLoad(correction, s), after = imageLoad(correction, s + step_x);
-      vec4 same = from * weight(row + 1, s), to_right = from * weight(row + 2, s), to_left = from * weight(row, s);
-      float next = upper_half ? after.x * weight(row, s + step_x).x : to_left.z;
-      sum += upper_half ? vec4(same.z, to_right.z + to_left.w, same.w, to_right.w + next)
-                        : vec4(same.x, to_right.x + to_left.y, same.y, to_right.y + next);
+  ivec3 coarse = texel_of(push.coarse_cells.z);
+  int channel = channel_here(), z = 2 * (coarse.z - channel * push.coarse_cells.z);
+  float has_next = float(coarse.x + 1 < texels(push.coarse_cells.x));
+  for (int up_z = 0; up_z < min(2, push.cells.z - z); ++up_z)
+    for (int up_y = 0; up_y < 2; ++up_y) {
+      vec4 even = vec4(0), odd = vec4(0);  // at 2 I and 2 I + 1 along x
+      for (int from_z = 0; from_z <= up_z; ++from_z)
+        for (int from_y = 0; from_y <= up_y; ++from_y) {
+          ivec3 s = coarse + ivec3(0, from_y, from_z);
+          int row = 3 * (up_y - 2 * from_y + 1) + 9 * (up_z - 2 * from_z + 1);  // entry with x-offset -1
+          vec4 own = imageLoad(correction, s);
+          vec4 after = has_next * imageLoad(correction, s + step_x) * weight(row, s + step_x);
+          even += own * weight(row + 1, s);
+          odd += own * weight(row + 2, s) + shifted_right(own * weight(row, s), after);
+        }
+      ivec3 t = ivec3(2 * coarse.x, 2 * coarse.y + up_y, z + up_z + channel * push.cells.z);
+      imageStore(x, t, imageLoad(x, t) + vec4(even.x, odd.x, even.y, odd.y));
+      imageStore(x, t + step_x, imageLoad(x, t + step_x) + vec4(even.z, odd.z, even.w, odd.w));
     }
-  imageStore(x, t, imageLoad(x, t) + sum);
 }

@@ -3,16 +3,16 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "diffusion/level.glsl"
-#include "diffusion/apply.glsl"
-layout(binding = 4, rgba32f) uniform readonly image3D inverse_l1;
+#include "diffusion/packed.glsl"
 layout(binding = 5, rgba32f) uniform image3D b;
 layout(binding = 6, rgba32f) uniform writeonly image3D smoothed;
 layout(binding = 7, rgba32f) uniform writeonly image3D kept;
 
 void main() {
   ivec3 t = texel_here();
-  vec4 left = imageLoad(b, t) - push.step * apply(t);
-  imageStore(kept, t, push.step * imageLoad(x, t));
+  Applied a = apply_in_cycle(t);
+  vec4 left = imageLoad(b, t) - push.step * a.product;
+  imageStore(kept, t, push.step * a.centre);
   imageStore(b, t, left);
-  imageStore(smoothed, t, push.omega * imageLoad(inverse_l1, t) * left);
+  imageStore(smoothed, t, push.omega * a.inverse_l1 * left);
 }

@@ -9,8 +9,8 @@ layout(binding = 5, rgba32f) uniform writeonly image3D b;
 layout(binding = 6, rgba32f) uniform writeonly image3D x;
 
 void main() {
-  ivec3 t = ivec3(gl_GlobalInvocationID);
-  int channel = t.z / push.coarse_cells.z;
+  ivec3 t = texel_of(push.coarse_cells.z);
+  int channel = channel_here();
   ivec3 base = ivec3(2 * t.xy, 2 * (t.z - channel * push.coarse_cells.z) + channel * push.cells.z);
   vec4 sum = vec4(0);
   for (int row = 0; row < 9; ++row) {

@@ -11,11 +11,6 @@ vec4 coefficient_right(int entry, ivec3 t) {
   return float(t.x + 1 < texels(push.cells.x)) * coefficient(entry, t + step_x);
 }
 
-bool coupled(int n) {  // whether the stencil has anything towards offset(n)
-  ivec3 d = abs(offset(n));
-  return n != 13 && (finest == 0 || d.x + d.y + d.z == 1);
-}
-
 // -A(i, i + offset(n)) for n = 0..26 but 13; on the finest level for axes.
 vec4 conductance(int n, ivec3 t) {
   ivec3 d = offset(n);

@@ -21,6 +21,12 @@
 #define DIFFUSION_ROW_SUM 13
 #define DIFFUSION_COARSE_ENTRIES 14
 #define DIFFUSION_WEIGHTS 27
+// What the cycle reads of the finest stencil: two bf16 numbers in a word, low half first, four words a texel as
+// everywhere. Entries 0..2: conductances of the faces towards lower and upper x, y, z; entry 3: the reaction and the
+// reciprocal l1 norm of the row. Both sides of a face round alike, so the preconditioner stays symmetric, and positive
+// numbers within 1/256 of the stencil's are as good; the conjugate gradients' own operator stays in single precision.
+// Coarse stencils have couplings of both signs, which cancel: rounded to bf16, cycles at contrast 1e6 broke down.
+#define DIFFUSION_PAIRS 4
 // Of the diagonal: couplings below this are none to interpolate by.
 #define DIFFUSION_CONNECTED 1e-7
 
@@ -30,11 +36,15 @@
 #define DIFFUSION_ISLAND_CELL 6
 #define DIFFUSION_ISLAND_PIECE 4096
 
-// Dot products: each subgroup of a tile leaves one partial sum; tiles have room for this many (subgroups of 8 or more).
+// Work goes by bricks of 2 x 4 x 1 texels, so 8 x 4 x 1 cells: x | y << 10 | z << 20, counted in bricks. Lists of them
+// fill whole workgroups: DIFFUSION_NO_BRICK lies beyond every grid.
+#define DIFFUSION_BRICK_X 2
+#define DIFFUSION_BRICK_Y 4
+#define DIFFUSION_NO_BRICK 0xffffffffu
+// Invocations of a workgroup, eight a brick. Dot products: each subgroup (of 8 or more) leaves one partial sum, for which
+// there is room for one a brick.
+#define DIFFUSION_GROUP 128
 #define DIFFUSION_PARTIALS 16
-// A tile is a workgroup of 8 x 16 texels: the domain's tile of 32 x 16 x 1 cells.
-#define DIFFUSION_TILE_X 8
-#define DIFFUSION_TILE_Y 16
 
 // What reduce.comp makes of the sums.
 #define DIFFUSION_REDUCE_START 0
@@ -50,6 +60,12 @@ struct LevelPush {
   ivec3 coarse_cells;  // of the next coarser level
   float omega;         // smoothing factor
   float step;          // of a visit to the level (renew.comp, combine.comp)
+};
+
+struct WeightsPush {
+  ivec3 cells;         // of the finer level
+  ivec3 coarse_cells;  // of the coarser one
+  int first;           // of the entries that a dispatch makes (weights.comp)
 };
 
 struct ReducePush {

@@ -25,7 +25,7 @@ TEST_F(GpuDiffusionEnergy, EnergyEqualsTwin) {
   } energy_push{push(), pcg.partials_per_channel()};
   gpu::Commands commands(context);
   commands.dispatch(passes.absorbed, multigrid.threads(0),
-                    {{"tiles", multigrid.tiles().packed},
+                    {{"bricks", multigrid.bricks().packed},
                      {"partials", pcg.partials()},
                      {"volume", domain.volume},
                      {"absorption", absorption_image},

@@ -38,7 +38,7 @@ TEST_F(GpuDiffusionFacets, FacetsAndSourceEqualTwin) {
                        {"facet_offsets", facet_offsets}},
                       push());
     commands.dispatch(passes.source[corrected][in_cells], multigrid.threads(0),
-                      {{"tiles", multigrid.tiles().packed},
+                      {{"bricks", multigrid.bricks().packed},
                        {"cut_index", domain.cut_index},
                        {"cut_cells", domain.cut_cells},
                        {"cell_sources", cell_sources},

@@ -35,10 +35,12 @@ TEST_F(GpuDiffusionScale, RescaleCarriesTheSolutionIntoTheNewUnit) {
   const gpu::Buffer ratios = gpu::make_buffer(context, scales, "scales");
   const Multigrid& multigrid = body.diffusion().multigrid();
   gpu::Commands commands(context);
-  commands.dispatch(
-      passes.rescale, multigrid.threads(0),
-      {{"tiles", multigrid.tiles().packed}, {"scales", ratios}, {"high", pcg.solution()}, {"low", pcg.solution_rest()}},
-      push());
+  commands.dispatch(passes.rescale, multigrid.threads(0),
+                    {{"bricks", multigrid.bricks().packed},
+                     {"scales", ratios},
+                     {"high", pcg.solution()},
+                     {"low", pcg.solution_rest()}},
+                    push());
   commands.submit();
   const std::vector<float> high = gpu::download<float>(context, pcg.solution()),
                            rest = gpu::download<float>(context, pcg.solution_rest());

@@ -35,6 +35,11 @@ class GpuDiffusionVectors : public GpuTest {
               close)
         << name << ", level " << l << ", channel " << channel;
   }
+  /// The reciprocal l1 norms that the device has, in bf16.
+  twin::Vector inverse_l1(std::size_t l, int channel) {
+    const std::vector<float> all = gpu::download<float>(context, multigrid.levels()[l].inverse_l1);
+    return unpack(all, matrix(l, 0).grid, 0, 1, channel);
+  }
   void expect_sum(int channel, double wanted, const char* name) {
     const std::vector<float> all = gpu::download<float>(context, partials);
     const std::size_t each = all.size() / 2;
@@ -45,7 +50,7 @@ class GpuDiffusionVectors : public GpuTest {
   void run(const gpu::Pass& pass, std::size_t l, std::vector<gpu::Binding> bindings, float omega = 0,
            std::size_t threads_of = 0) {
     const std::size_t coarse = std::min(l + 1, multigrid.levels().size() - 1);
-    bindings.push_back({"tiles", tiles.packed});
+    bindings.push_back({"bricks", multigrid.bricks(l + threads_of).packed});
     gpu::Commands commands(context);
     commands.dispatch(pass, multigrid.threads(l + threads_of), bindings,
                       LevelPush{multigrid.levels()[l].cells, multigrid.levels()[coarse].cells, omega});
@@ -57,35 +62,49 @@ class GpuDiffusionVectors : public GpuTest {
   CutCells cells = gridded(transformed(box({1, 0.08f, 0.9f}), rotation({1, 2, 3}, 17)), 40);
   std::vector<twin::Problem> problems{twin::assemble(cells, checker(0.02, 1e4, 0.13, 3), 2.6),
                                       twin::assemble(cells, checker(0.1, 1, 1, 0.5), 2.6)};
-  TileList tiles = tile_list(context, problems[0].a);
-  Multigrid multigrid{context, passes, problems[0].a.grid.n, 2, tiles};
+  Multigrid multigrid{context, passes, problems[0].a.grid.n, 2, active_cells(problems[0].a)};
   std::vector<twin::Multigrid> expected;
-  gpu::Buffer partials =
-      gpu::make_buffer(context, std::vector<float>(2 * tiles.count * DIFFUSION_PARTIALS), "partials");
+  gpu::Buffer partials = gpu::make_buffer(context, std::vector<float>(2 * multigrid.bricks().count), "partials");
 };
 
-TEST_F(GpuDiffusionVectors, SmoothAndResidualEqualTwin) {
+TEST_F(GpuDiffusionVectors, SmoothDefectAndResidualEqualTwin) {
   for (std::size_t l = 0; l + 1 < multigrid.levels().size(); ++l) {
     const std::vector<twin::Vector> x = random(l, 1), b = random(l, 2);
-    const gpu::Image on_x = image(l, x), on_b = image(l, b), smoothed = image(l, x), residual = image(l, x);
+    const gpu::Image on_x = image(l, x), on_b = image(l, b), smoothed = image(l, x), defect = image(l, x),
+                     residual = image(l, x);
     MultigridLevel& level = multigrid.levels()[l];
     run(l == 0 ? passes.smooth_dot : passes.smooth[0], l,
         {{"stencil", level.stencil},
+         {"inverse_l1", level.inverse_l1},
+         {"pairs", multigrid.pairs()},
          {"x", on_x},
          {"partials", partials},
-         {"inverse_l1", level.inverse_l1},
          {"b", on_b},
          {"smoothed", smoothed}},
         0.7f);
+    run(passes.defect[l == 0], l,
+        {{"stencil", level.stencil},
+         {"inverse_l1", level.inverse_l1},
+         {"pairs", multigrid.pairs()},
+         {"x", on_x},
+         {"b", on_b},
+         {"defect", defect}});
     run(passes.residual[l == 0], l, {{"stencil", level.stencil}, {"x", on_x}, {"b", on_b}, {"residual", residual}});
     for (int c = 0; c < 2; ++c) {
       twin::Vector r, s = x[c];
       matrix(l, c).apply(x[c], r);
-      for (std::size_t i = 0; i < r.size(); ++i) {
-        r[i] = b[c][i] - r[i];
-        s[i] += double(0.7f) * expected[c].levels()[l].inverse_l1[i] * r[i];
-      }
+      for (std::size_t i = 0; i < r.size(); ++i) r[i] = b[c][i] - r[i];
       expect(residual, l, c, r, "residual");
+      twin::Vector inverse = inverse_l1(l, c);
+      if (l == 0) {
+        const PackedStencil packed =
+            unpack_pairs(gpu::download<std::uint32_t>(context, multigrid.pairs()), matrix(0, c).grid, c);
+        packed.a.apply(x[c], r);
+        for (std::size_t i = 0; i < r.size(); ++i) r[i] = b[c][i] - r[i];
+        inverse = packed.inverse_l1;
+      }
+      for (std::size_t i = 0; i < r.size(); ++i) s[i] += double(0.7f) * inverse[i] * r[i];
+      expect(defect, l, c, r, "defect");
       expect(smoothed, l, c, s, "smooth");
       if (l == 0) expect_sum(c, twin::dot(b[c], s), "smooth");
     }
@@ -101,15 +120,15 @@ TEST_F(GpuDiffusionVectors, RestrictAndProlongEqualTwin) {
     run(passes.restrict_residual, l,
         {{"residual", on_r}, {"weights", level.weights}, {"inverse_l1", coarse.inverse_l1}, {"b", b}, {"x", first}},
         0.6f, 1);
-    run(passes.prolong[l == 0], l, {{"weights", level.weights}, {"correction", on_e}, {"x", on_x}});
+    run(passes.prolong, l, {{"weights", level.weights}, {"correction", on_e}, {"x", on_x}}, 0, 1);
     for (int c = 0; c < 2; ++c) {
       const twin::Interpolation& p = expected[c].interpolations()[l];
       twin::Vector wanted, up = x[c];
       p.restrict_to(r[c], wanted);
       p.prolong_add(e[c], up);
       expect(b, l + 1, c, wanted, "restrict");
-      for (std::size_t i = 0; i < wanted.size(); ++i)
-        wanted[i] *= double(0.6f) * expected[c].levels()[l + 1].inverse_l1[i];
+      const twin::Vector inverse = inverse_l1(l + 1, c);
+      for (std::size_t i = 0; i < wanted.size(); ++i) wanted[i] *= double(0.6f) * inverse[i];
       expect(first, l + 1, c, wanted, "restrict's first smoothing");
       expect(on_x, l, c, up, "prolong");
     }
@@ -180,7 +199,8 @@ TEST_F(GpuDiffusionVectors, StepsOfTheConjugateGradientsEqualTwin) {
     expect(residual, 0, c, r, "start");
     expect_sum(c, twin::dot(r, r), "start");
     first = r;
-    for (std::size_t i = 0; i < r.size(); ++i) first[i] *= double(0.8f) * expected[c].levels()[0].inverse_l1[i];
+    const twin::Vector inverse = inverse_l1(0, c);
+    for (std::size_t i = 0; i < r.size(); ++i) first[i] *= double(0.8f) * inverse[i];
     expect(z, 0, c, first, "start's smoothing");
   }
 
@@ -205,7 +225,8 @@ TEST_F(GpuDiffusionVectors, StepsOfTheConjugateGradientsEqualTwin) {
     expect(r, 0, c, rest, "update's residual");
     expect_sum(c, twin::dot(rest, rest), "update");
     smoothed = rest;
-    for (std::size_t i = 0; i < sum.size(); ++i) smoothed[i] *= double(0.8f) * expected[c].levels()[0].inverse_l1[i];
+    const twin::Vector inverse = inverse_l1(0, c);
+    for (std::size_t i = 0; i < sum.size(); ++i) smoothed[i] *= double(0.8f) * inverse[i];
     expect(next, 0, c, smoothed, "update's smoothing");
     // high + low has more digits than one float: what was lost to rounding is in `low`.
     const twin::Lattice& grid = matrix(0, 0).grid;

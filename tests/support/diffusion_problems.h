@@ -1,6 +1,7 @@
 // Small diffusion problems for tests: shapes on a grid, media, and the way to and from the packed images.
 #pragma once
 
+#include <cstring>
 #include <random>
 
 #include "diffusion/pcg.h"
@@ -59,6 +60,49 @@ inline twin::Vector unpack(const std::vector<float>& packed, const twin::Lattice
   return v;
 }
 
+/// The stencil that the device's cycle applies to the finest level, from its packed form (shared/diffusion.h), and the
+/// reciprocal l1 norms in it.
+struct PackedStencil {
+  twin::Operator a;
+  twin::Vector inverse_l1;
+  bool symmetric = true;  // both sides of every face say the same
+};
+
+inline float bf16(std::uint32_t bits) {
+  bits <<= 16;
+  float value;
+  std::memcpy(&value, &bits, sizeof value);
+  return value;
+}
+
+inline PackedStencil unpack_pairs(const std::vector<std::uint32_t>& texels, const twin::Lattice& grid, int channel) {
+  const int nx = (grid.n.x + 3) / 4 * 4;
+  PackedStencil out{twin::Operator::seven_point(grid.n), twin::Vector(grid.size(), 0.0)};
+  const auto word = [&](int k, glm::ivec3 c) -> std::uint32_t {
+    if (!grid.inside(c)) return 0;
+    const std::size_t row = c.y + std::size_t(grid.n.y) * (c.z + channel * grid.n.z);
+    return texels[c.x + std::size_t(nx) * (k + DIFFUSION_PAIRS * row)];
+  };
+  for (int z = 0; z < grid.n.z; ++z)
+    for (int y = 0; y < grid.n.y; ++y)
+      for (int x = 0; x < grid.n.x; ++x) {
+        const glm::ivec3 c{x, y, z};
+        const std::ptrdiff_t i = grid.at(c);
+        double sum = 0;  // of the conductances
+        for (int k = 0; k < 3; ++k) {
+          const int entry = twin::low_face[k];
+          const float low = bf16(word(k, c) & 0xffff), high = bf16(word(k, c) >> 16);
+          out.a.a[entry][i] = -low;
+          out.symmetric = out.symmetric && low == bf16(word(k, c + twin::offset(entry)) >> 16);
+          sum += low + high;
+        }
+        const std::uint32_t rest = word(DIFFUSION_REACTION, c);
+        out.a.a[twin::diagonal][i] = bf16(rest & 0xffff) + sum;
+        out.inverse_l1[i] = bf16(rest >> 16);
+      }
+  return out;
+}
+
 /// The finest stencil as the device holds it: three face conductances and the reaction.
 inline std::vector<float> pack_finest(const twin::Operator& a) {
   twin::Vector faces[3], reaction = a.a[twin::diagonal];
@@ -73,19 +117,13 @@ inline std::vector<float> pack_finest(const twin::Operator& a) {
   return pack({&faces[0], &faces[1], &faces[2], &reaction}, a.grid);
 }
 
-inline TileList tile_list(gpu::Context& context, const twin::Operator& a) {
-  std::vector<std::uint32_t> packed;
-  const glm::ivec3 tile(4 * DIFFUSION_TILE_X, DIFFUSION_TILE_Y, 1), n = a.grid.n, counts = (n + tile - 1) / tile;
-  for (int z = 0; z < counts.z; ++z)
-    for (int y = 0; y < counts.y; ++y)
-      for (int x = 0; x < counts.x; ++x) {
-        bool active = false;
-        for (int j = y * tile.y; j < std::min(n.y, (y + 1) * tile.y); ++j)
-          for (int i = x * tile.x; i < std::min(n.x, (x + 1) * tile.x); ++i)
-            active = active || a.a[twin::diagonal][a.grid.at({i, j, z})] > 0;
-        if (active) packed.push_back(x | y << 10 | z << 20);
-      }
-  return {gpu::make_buffer(context, packed, "tiles"), static_cast<int>(packed.size())};
+/// Of the cells that `a` has: what Multigrid asks for.
+inline std::vector<std::uint8_t> active_cells(const twin::Operator& a) {
+  std::vector<std::uint8_t> active;
+  for (int z = 0; z < a.grid.n.z; ++z)
+    for (int y = 0; y < a.grid.n.y; ++y)
+      for (int x = 0; x < a.grid.n.x; ++x) active.push_back(a.a[twin::diagonal][a.grid.at({x, y, z})] > 0);
+  return active;
 }
 
 inline twin::Vector random_on(const twin::Operator& a, unsigned seed) {
