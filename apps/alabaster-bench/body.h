@@ -45,7 +45,7 @@ class BenchBody {
   void light(glm::dvec3 direction);
   MediumSamples sampled(const MediumField& medium) { return sample_medium(context_, domain_, medium, channels_); }
   SolverStatus solve() { return diffusion_.solve(light_); }
-  void forget() { diffusion_.pcg().clear_solution(); }
+  void forget() { diffusion_.forget(); }
   /// Cells with a share of the object.
   int inside_cells() const { return static_cast<int>(domain_.summary.cut_cells + domain_.summary.inner_cells); }
   const Domain& domain() const { return domain_; }

@@ -84,6 +84,7 @@ Diffusion::Diffusion(gpu::Context& context, const DiffusionPasses& solver_passes
   commands.fill(scales_);
   for (const gpu::Image& image : surface_gamma_) commands.clear(image);
   commands.submit();
+  if (options.history) history_.emplace(context, solver_passes, multigrid_, pcg_);
   set_medium(std::move(medium));
 }
 
@@ -114,6 +115,12 @@ void Diffusion::set_medium(MediumSamples medium) {
   }
   commands.submit();
   multigrid_.set_up();
+  if (history_) history_->forget();
+}
+
+void Diffusion::forget() {
+  pcg_.clear_solution();
+  if (history_) history_->forget();
 }
 
 SurfacePush Diffusion::surface_push(int sides) const {
@@ -208,11 +215,13 @@ SolverStatus Diffusion::solve(const FacetLight& light) {
     if (pass > 0) record_gradients(commands, light);
     record_source(commands, light, options_.corrections > 0 && (pass > 0 || warm));
     commands.submit();
+    if (history_ && iterations == 0) history_->guess();
     const double reached = pass == options_.corrections ? 0.0 : std::pow(10.0, -2 - pass);
     status = pcg_.solve(std::max(options_.tolerance, reached));
     iterations += status.iterations;
   }
   status.iterations = iterations;
+  if (history_ && status.converged) history_->add();
   gpu::Commands commands(context_);
   record_gradients(commands, light);
   record_surface(commands, light);

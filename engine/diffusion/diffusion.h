@@ -3,6 +3,9 @@
 // by finite volumes on cut cells. Set-up and solve are apart: when only the light changes, solve() again.
 #pragma once
 
+#include <optional>
+
+#include "diffusion/history.h"
 #include "diffusion/medium_samples.h"
 #include "diffusion/pcg.h"
 
@@ -45,6 +48,9 @@ class Diffusion {
 
   /// A new medium on the same grid; the solution stays as the start of the next solve.
   void set_medium(MediumSamples medium);
+
+  /// Forgets what was solved before: the next solve starts from zero.
+  void forget();
 
   /// Starts from the solution of before where there is one. Then makes surface() and surface_gamma().
   SolverStatus solve(const FacetLight& light);
@@ -102,6 +108,7 @@ class Diffusion {
   glm::dvec3 kappa_scale_{1};
   Multigrid multigrid_;
   Pcg pcg_;
+  std::optional<SolutionHistory> history_;
 };
 
 }  // namespace alabaster

@@ -31,6 +31,8 @@ DiffusionPasses::DiffusionPasses(gpu::Context& c)
       start{c, "diffusion/start.comp", {1}},
       direction{{c, "diffusion/direction.comp", {1, 0}}, {c, "diffusion/direction.comp", {1, 1}}},
       reduce{c, "diffusion/reduce.comp"},
+      project{c, "diffusion/project.comp", {1}},
+      blend{c, "diffusion/blend.comp", {1}},
       islands{{c, "diffusion/islands.comp", {0}}, {c, "diffusion/islands.comp", {1}}},
       lifts{c, "diffusion/lifts.comp"},
       lift{c, "diffusion/lift.comp", {1}} {}

@@ -18,6 +18,7 @@ struct DiffusionPasses {
   gpu::Pass diagonals[2], pack, weights[2], deficits[2], galerkin[2];  // [finest]
   gpu::Pass smooth[2], smooth_dot, defect[2], residual[2], restrict_residual, prolong, direct, renew, combine;
   gpu::Pass apply_dot, norm, update, start, direction[2], reduce;  // direction[deflated]
+  gpu::Pass project, blend;                                        // history.h
   gpu::Pass islands[2], lifts, lift;                               // islands[start]
 };
 

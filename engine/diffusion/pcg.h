@@ -14,8 +14,9 @@ namespace alabaster {
 struct SolverOptions {
   double tolerance = 1e-6;  // of the true relative residual |b - A x| / |b|
   int max_iterations = 100;
-  int batch = 1;        // iterations between two looks at the residual
-  int corrections = 2;  // deferred-correction passes that make the surface second order; 0: first order
+  int batch = 1;         // iterations between two looks at the residual
+  int corrections = 2;   // deferred-correction passes that make the surface second order; 0: first order
+  bool history = false;  // start from the best of the solutions of before (history.h): for lights that move
   CycleOptions multigrid;
 };
 
