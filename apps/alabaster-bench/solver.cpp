@@ -97,7 +97,7 @@ void sun(BenchBody& body, double degrees) {
 Json repeats(gpu::Context& context, const Arguments& a) {
   Json rows = Json::array();
   std::printf(
-      "\nmilliseconds (share of the cold solve; of set-up and cold solve)\n\n"
+      "\nmilliseconds, iterations (share of the cold solve; of set-up and cold solve)\n\n"
       "| bunny, grid | channels | set-up | cold solve | light moved once, by 10 degrees | light on its way | medium "
       "edited by a fifth |\n| --- | --- | --- | --- | --- | --- | --- |\n");
   const Mesh mesh = shape_named("bunny", a.meshes).mesh;
@@ -107,13 +107,15 @@ Json repeats(gpu::Context& context, const Arguments& a) {
     for (const int channels : {1, 3}) {
       BenchBody body(context, mesh, grid, coloured(), channels, options);
       const MediumSamples first = body.sampled(coloured()), second = body.sampled(coloured(1.2));
+      SolverStatus status;
       const double set_up = median_time(
           a.runs, [] {}, [&] { body.diffusion().set_medium(first); });
       const auto forget = [&] {
         body.diffusion().forget();
         sun(body, 0);
       };
-      const double cold = median_time(a.runs, forget, [&] { body.solve(); });
+      const double cold = median_time(a.runs, forget, [&] { status = body.solve(); });
+      const int cold_iterations = status.iterations;
       const double moved = median_time(
           a.runs,
           [&] {
@@ -121,24 +123,27 @@ Json repeats(gpu::Context& context, const Arguments& a) {
             body.solve();
             sun(body, 10);
           },
-          [&] { body.solve(); });
+          [&] { status = body.solve(); });
+      const int moved_iterations = status.iterations;
       double degrees = 10;
       for (int frame = 0; frame < 4; ++frame) {
         sun(body, degrees += 3);
         body.solve();
       }
       const double under_way = median_time(
-          a.runs, [&] { sun(body, degrees += 3); }, [&] { body.solve(); });
+          a.runs, [&] { sun(body, degrees += 3); }, [&] { status = body.solve(); });
+      const int under_way_iterations = status.iterations;
       int turn = 0;
       const double edited = median_time(
           a.runs, [] {},
           [&] {
             body.diffusion().set_medium(++turn & 1 ? second : first);
-            body.solve();
+            status = body.solve();
           });
-      std::printf("| %d | %d | %.0f | %.0f |", grid, channels, set_up, cold);
-      for (const double time : {moved, under_way, edited})
-        std::printf(" %.0f (%.2f; %.2f) |", time, time / cold, time / (set_up + cold));
+      std::printf("| %d | %d | %.0f | %.0f, %d |", grid, channels, set_up, cold, cold_iterations);
+      for (const auto& [time, iterations] :
+           {std::pair(moved, moved_iterations), {under_way, under_way_iterations}, {edited, status.iterations}})
+        std::printf(" %.0f, %d (%.2f; %.2f) |", time, iterations, time / cold, time / (set_up + cold));
       std::printf("\n");
       std::fflush(stdout);
       rows.push_back({{"grid", grid},

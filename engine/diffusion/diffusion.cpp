@@ -217,7 +217,8 @@ SolverStatus Diffusion::solve(const FacetLight& light) {
     commands.submit();
     if (history_ && iterations == 0) history_->guess();
     const double reached = pass == options_.corrections ? 0.0 : std::pow(10.0, -2 - pass);
-    status = pcg_.solve(std::max(options_.tolerance, reached));
+    status = pcg_.solve(std::max(options_.tolerance, reached),
+                        pass == options_.corrections ? Pcg::Check::true_residual : Pcg::Check::recurrence);
     iterations += status.iterations;
   }
   status.iterations = iterations;

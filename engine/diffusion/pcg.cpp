@@ -39,20 +39,14 @@ void Pcg::record_residual(gpu::Commands& commands) {
   MultigridLevel& level = multigrid_.finest();
   const glm::uvec3 threads = multigrid_.threads(0);
   const LevelPush push{level.cells, level.cells, multigrid_.first_omega()};
-  commands.dispatch(passes_.residual[1], threads,  // spare = b - A low
-                    {{"bricks", multigrid_.bricks().packed},
-                     {"stencil", level.stencil},
-                     {"x", low_},
-                     {"b", rhs_},
-                     {"residual", level.spare}},
-                    push);
-  commands.dispatch(passes_.start, threads,  // r = spare - A high
+  commands.dispatch(passes_.start, threads,
                     {{"bricks", multigrid_.bricks().packed},
                      {"stencil", level.stencil},
                      {"x", high_},
+                     {"rest", low_},
                      {"partials", partials_},
                      {"inverse_l1", level.inverse_l1},
-                     {"b", level.spare},
+                     {"b", rhs_},
                      {"r", level.b},
                      {"z", level.x}},
                     push);
@@ -153,9 +147,17 @@ void Pcg::clear_solution() {
   commands.submit();
 }
 
+bool Pcg::converged_by_recurrence(SolverStatus& status) const {
+  const std::vector<CgScalars> all = scalars();
+  status.converged = std::all_of(all.begin(), all.end(), [](const CgScalars& s) { return s.done == 1; });
+  for (std::size_t c = 0; c < all.size(); ++c)
+    status.relative_residual[c] = all[c].bb > 0 ? std::sqrt(double(all[c].rr) / all[c].bb) : 0.0;
+  return status.converged;
+}
+
 // Recurrences drift from the truth in single precision. So when they claim convergence the residual is computed anew,
 // and where it disagrees the gradients start again from it; only when that no longer helps does the solver give up.
-SolverStatus Pcg::solve(double tolerance) {
+SolverStatus Pcg::solve(double tolerance, Check check) {
   SolverStatus status;
   if (recorded_ != multigrid_.generation()) record();
   for (int c = 0; c < multigrid_.channels(); ++c)
@@ -209,6 +211,7 @@ SolverStatus Pcg::solve(double tolerance) {
       }
     }
     status.iterations += taken;
+    if (check == Check::recurrence && converged_by_recurrence(status)) return status;
   }
 }
 

@@ -33,8 +33,9 @@ class Pcg {
   Pcg(gpu::Context& context, const DiffusionPasses& passes, Multigrid& multigrid, const SolverOptions& options = {});
 
   /// Solves A x = b for the images rhs() and solution(), starting from what solution() holds, to the true relative
-  /// residual `tolerance`.
-  SolverStatus solve(double tolerance);
+  /// residual `tolerance`; with Check::recurrence what the conjugate gradients themselves say is enough.
+  enum class Check { true_residual, recurrence };
+  SolverStatus solve(double tolerance, Check check = Check::true_residual);
   SolverStatus solve() { return solve(options_.tolerance); }
 
   /// Forgets the solution: the next solve() starts from zero.
@@ -54,6 +55,7 @@ class Pcg {
   void record_batch();
   void reduce(gpu::Commands& commands, int mode);
   std::vector<CgScalars> scalars() const;
+  bool converged_by_recurrence(SolverStatus& status) const;
 
   gpu::Context& context_;
   const DiffusionPasses& passes_;

@@ -2,17 +2,26 @@
 #include "diffusion/stencil.glsl"
 layout(binding = 2, rgba32f) uniform readonly image3D x;
 
-vec4 apply_finest(ivec3 t) {
-  int nx4 = texels(push.cells.x);
+// x at a texel and at its neighbours.
+struct Star {
+  vec4 own, left, right, down, up, below, above;
+};
+
+Star star_of_x(ivec3 t) {
   vec4 own = imageLoad(x, t);
-  vec4 left = shifted_left(imageLoad(x, t - step_x), own), right = shifted_right(own, imageLoad(x, t + step_x));
-  vec4 face_x = coefficient(0, t);
-  vec4 y = coefficient(DIFFUSION_REACTION, t) * own;
-  y += face_x * (own - left) + shifted_right(face_x, coefficient(0, t + step_x)) * (own - right);
-  y += coefficient(1, t) * (own - imageLoad(x, t - step_y)) + coefficient(1, t + step_y) * (own - imageLoad(x, t + step_y));
-  y += coefficient(2, t) * (own - imageLoad(x, t - step_z)) + coefficient(2, t + step_z) * (own - imageLoad(x, t + step_z));
+  return Star(own, shifted_left(imageLoad(x, t - step_x), own), shifted_right(own, imageLoad(x, t + step_x)),
+              imageLoad(x, t - step_y), imageLoad(x, t + step_y), imageLoad(x, t - step_z), imageLoad(x, t + step_z));
+}
+
+vec4 apply_to(Star s, ivec3 t) {
+  vec4 face_x = coefficient(0, t), y = coefficient(DIFFUSION_REACTION, t) * s.own;
+  y += face_x * (s.own - s.left) + shifted_right(face_x, coefficient(0, t + step_x)) * (s.own - s.right);
+  y += coefficient(1, t) * (s.own - s.down) + coefficient(1, t + step_y) * (s.own - s.up);
+  y += coefficient(2, t) * (s.own - s.below) + coefficient(2, t + step_z) * (s.own - s.above);
   return y;
 }
+
+vec4 apply_finest(ivec3 t) { return apply_to(star_of_x(t), t); }
 
 vec4 apply_coarse(ivec3 t) {
   vec4 centre = imageLoad(x, t), y = coefficient(DIFFUSION_ROW_SUM, t) * centre;

@@ -1,4 +1,5 @@
-// r = b - A x, r . r, and the first smoothing step of a cycle: z = omega D^-1 r.
+// r = b - A (x + rest), r . r, and the first smoothing step of a cycle: z = omega D^-1 r. What x and rest have is
+// subtracted apart: their sum has not the digits (update.comp).
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "diffusion/level.glsl"
@@ -8,10 +9,19 @@ layout(binding = 4, rgba32f) uniform readonly image3D inverse_l1;
 layout(binding = 5, rgba32f) uniform readonly image3D b;
 layout(binding = 6, rgba32f) uniform writeonly image3D r;
 layout(binding = 7, rgba32f) uniform writeonly image3D z;
+layout(binding = 8, rgba32f) uniform readonly image3D rest;
+
+Star star_of_rest(ivec3 t) {
+  vec4 own = imageLoad(rest, t);
+  return Star(own, shifted_left(imageLoad(rest, t - step_x), own), shifted_right(own, imageLoad(rest, t + step_x)),
+              imageLoad(rest, t - step_y), imageLoad(rest, t + step_y), imageLoad(rest, t - step_z),
+              imageLoad(rest, t + step_z));
+}
 
 void main() {
   ivec3 t = texel_here();
-  vec4 residual = imageLoad(b, t) - apply_finest(t);
+  vec4 left = imageLoad(b, t) - apply_to(star_of_rest(t), t);
+  vec4 residual = left - apply_finest(t);
   imageStore(r, t, residual);
   imageStore(z, t, push.omega * imageLoad(inverse_l1, t) * residual);
   leave_partial(dot(residual, residual));

@@ -182,10 +182,11 @@ TEST_F(GpuDiffusionVectors, StepsOfTheConjugateGradientsEqualTwin) {
     expect_sum(c, twin::dot(p[c], q[c]), "apply_dot");
   }
 
-  const gpu::Image residual = image(0, x), z = image(0, x);
+  const gpu::Image residual = image(0, x), z = image(0, x), on_rest = image(0, p);  // as large as x
   run(passes.start, 0,
       {{"stencil", level.stencil},
        {"x", on_x},
+       {"rest", on_rest},
        {"partials", partials},
        {"inverse_l1", level.inverse_l1},
        {"b", on_b},
@@ -195,7 +196,7 @@ TEST_F(GpuDiffusionVectors, StepsOfTheConjugateGradientsEqualTwin) {
   for (int c = 0; c < 2; ++c) {
     twin::Vector r, first;
     matrix(0, c).apply(x[c], r);
-    for (std::size_t i = 0; i < r.size(); ++i) r[i] = b[c][i] - r[i];
+    for (std::size_t i = 0; i < r.size(); ++i) r[i] = b[c][i] - r[i] - q[c][i];
     expect(residual, 0, c, r, "start");
     expect_sum(c, twin::dot(r, r), "start");
     first = r;
