@@ -10,26 +10,28 @@ namespace alabaster::gpu {
 Buffer::Buffer(Context& context, std::size_t bytes, const std::string& name, Memory memory)
     : context_(&context), bytes_(std::max<std::size_t>(bytes, 16)) {
   // Checked here because validation reports it only at the draw or dispatch that binds the buffer.
-  if (bytes_ > context.limits().maxStorageBufferRange)
+  const bool staging = memory == Memory::staging;
+  if (!staging && bytes_ > context.limits().maxStorageBufferRange)
     throw DeviceError(name + ": " + std::to_string(bytes_ >> 20) + " MiB is more than one storage buffer holds on " +
                       context.info().name + "; choose a smaller --grid or --size");
   VkBufferCreateInfo info{VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO};
   info.size = bytes_;
-  info.usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT |
-               VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT |
-               VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT | VK_BUFFER_USAGE_VERTEX_BUFFER_BIT |
-               VK_BUFFER_USAGE_INDEX_BUFFER_BIT;
+  info.usage = VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT;
+  if (!staging)
+    info.usage |= VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT |
+                  VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT | VK_BUFFER_USAGE_VERTEX_BUFFER_BIT |
+                  VK_BUFFER_USAGE_INDEX_BUFFER_BIT;
   check(vkCreateBuffer(context.device(), &info, nullptr, &buffer_), name + ": vkCreateBuffer");
   VkMemoryRequirements needs;
   vkGetBufferMemoryRequirements(context.device(), buffer_, &needs);
   try {
-    memory_ = context.allocate(needs, memory == Memory::host, name);
+    memory_ = context.allocate(needs, memory != Memory::device, name);
   } catch (...) {
     reset();
     throw;
   }
   check(vkBindBufferMemory(context.device(), buffer_, memory_, 0), name + ": vkBindBufferMemory");
-  if (memory == Memory::host)
+  if (memory != Memory::device)
     check(vkMapMemory(context.device(), memory_, 0, VK_WHOLE_SIZE, 0, &mapped_), name + ": vkMapMemory");
   context.name(VK_OBJECT_TYPE_BUFFER, reinterpret_cast<std::uint64_t>(buffer_), name);
 }
@@ -213,7 +215,7 @@ void record_copy(Commands& commands, const Image& from, const Buffer& to, std::s
 template <class Resource>
 void upload_staged(Context& context, const Resource& to, const void* data, std::size_t bytes) {
   expect_fits(to, bytes);
-  Buffer staging(context, bytes, "staging", Memory::host);
+  Buffer staging(context, bytes, "staging", Memory::staging);
   std::memcpy(staging.mapped(), data, bytes);
   Commands commands(context);
   record_copy(commands, staging, to, bytes);
@@ -223,7 +225,7 @@ void upload_staged(Context& context, const Resource& to, const void* data, std::
 template <class Resource>
 Buffer staged(Context& context, const Resource& from, std::size_t bytes) {
   expect_fits(from, bytes);
-  Buffer staging(context, from.bytes(), "staging", Memory::host);
+  Buffer staging(context, from.bytes(), "staging", Memory::staging);
   Commands commands(context);
   record_copy(commands, from, staging, bytes);
   commands.barrier();

@@ -12,7 +12,9 @@
 
 namespace alabaster::gpu {
 
-enum class Memory { device, host };  // host: mapped for the CPU, for uploads and read-backs
+// host: mapped for the CPU. staging: the same, but only copied from and to, so that it may be larger than what a shader
+// can bind.
+enum class Memory { device, host, staging };
 
 class Buffer {
  public:
