@@ -22,9 +22,11 @@ struct Case {
   MediumField medium;
   int grid = 16;
   double eta = 1.3;
-  float gamma_s = 1;         // W/m^2
-  bool one_facet = false;    // lit
-  bool may_give_up = false;  // beyond what is supported: an honest status will do
+  float gamma_s = 1;       // W/m^2
+  bool one_facet = false;  // lit
+  bool may_give_up = false;
+  double agreement =
+      2e-4;  // with the twin, of the largest fluence  // beyond what is supported: an honest status will do
 };
 
 /// sigma in 1/m; objects are about 1 m across.
@@ -119,7 +121,7 @@ void Extremes::expect(const Case& c) {
         for (int y = 0; y < phi.n.y; ++y)
           for (int x = 0; x < phi.n.x; ++x)
             apart = std::max(apart, std::abs(phi.at({x, y, z}) - unit * exact.x[grid.at({x, y, z})]) / most);
-      EXPECT_LT(apart, 2e-4) << c.name;
+      EXPECT_LT(apart, c.agreement) << c.name;
     }
     worst_twin = std::max(worst_twin, apart);
     worst_imbalance = std::max(worst_imbalance, solved.energy.imbalance());
@@ -157,6 +159,8 @@ TEST_F(Extremes, Contrast) {
               grid};
     Case noisy{label("noise at one cell, contrast %g", contrast), mesh, contrasted(noise(0.02, contrast, cell)), grid};
     fine.may_give_up = noisy.may_give_up = contrast > 1e4;
+    // Its faces all conduct 1e-6 of what the facets of its conductive cells do, and the residual is measured by those.
+    if (contrast > 1e4) fine.agreement = 1e-3;
     expect(fine);
     expect(noisy);
     expect({label("noise at 3 cells, contrast %g", contrast), mesh, contrasted(noise(0.02, contrast, 3 * cell)), grid});
