@@ -22,11 +22,10 @@ struct Case {
   MediumField medium;
   int grid = 16;
   double eta = 1.3;
-  float gamma_s = 1;       // W/m^2
-  bool one_facet = false;  // lit
-  bool may_give_up = false;
-  double agreement =
-      2e-4;  // with the twin, of the largest fluence  // beyond what is supported: an honest status will do
+  float gamma_s = 1;         // W/m^2
+  bool one_facet = false;    // lit
+  bool may_give_up = false;  // beyond what is supported: an honest status will do
+  double agreement = 2e-4;   // with the twin, of the largest fluence
 };
 
 /// sigma in 1/m; objects are about 1 m across.
