@@ -176,11 +176,12 @@ void Reflection::record(gpu::Commands& commands, const Shading::Input& input, co
   ReflectionPush part = push(input, mirrored, target);
   const gpu::Bindings all = bindings(input, mirrored, target);
   const auto timer = commands.time("reflection");
-  // Lavapipe ends an invocation after 65535 turns of its loops, all taken together: rough samples go one by one.
+  // Lavapipe ends an invocation after 65535 turns of its loops, all taken together: only a few samples go at once, and
+  // rough ones one by one.
   const std::uint32_t samples = part.end_sample;
-  const std::uint32_t at_once = rough(input.scene.objects[part.object]) ? 1 : samples;
+  const std::uint32_t at_once = rough(input.scene.objects[part.object]) ? 1u : std::min(samples, 4u);
   for (part.first_sample = 0; part.first_sample < samples; part.first_sample += at_once) {
-    part.end_sample = part.first_sample + at_once;
+    part.end_sample = std::min(part.first_sample + at_once, samples);
     commands.dispatch(reflection_, {target.extent, 1}, all, part);
   }
 }

@@ -272,8 +272,11 @@ void Shading::record_single(gpu::Commands& commands, Single single) const {
     single.bindings.insert(single.bindings.end(), more.begin(), more.end());
   const auto lights = static_cast<std::uint32_t>(lighting.samples().area.size() + lighting.samples().directions.size());
   SinglePush push{single.push, 0, 0};
-  for (; push.first_light < lights; push.first_light += SINGLE_LIGHTS) {
-    push.end_light = std::min(lights, push.first_light + SINGLE_LIGHTS);
+  // Lavapipe ends an invocation after 65535 turns of its loops, all taken together: a pixel's samples share them.
+  const std::uint32_t samples = single.push.camera.edge * single.push.camera.edge;
+  const std::uint32_t at_once = std::max(4 * SINGLE_LIGHTS / samples, 1u);
+  for (; push.first_light < lights; push.first_light += at_once) {
+    push.end_light = std::min(lights, push.first_light + at_once);
     commands.dispatch(*single_, {single.extent, 1}, single.bindings, push);
   }
 }
