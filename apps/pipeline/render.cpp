@@ -216,6 +216,7 @@ RenderResult render_scene(gpu::Context& context, const Pipelines& pipelines, con
     }
   }
   solve_all(context, scene, *lighting, plan, bodies, result);
+  for (const auto& body : bodies) body->diffusion->finish();
 
   Stage stage(result, "shade");
   Shading::Input input{scene,

@@ -82,7 +82,6 @@ Diffusion::Diffusion(gpu::Context& context, const DiffusionPasses& solver_passes
       pcg_(context, solver_passes, multigrid_, options) {
   gpu::Commands commands(context);
   commands.fill(scales_);
-  for (const gpu::Image& image : surface_gamma_) commands.clear(image);
   commands.submit();
   if (options.history) history_.emplace(context, solver_passes, multigrid_, pcg_);
   set_medium(std::move(medium));
@@ -116,6 +115,11 @@ void Diffusion::set_medium(MediumSamples medium) {
   commands.submit();
   multigrid_.set_up();
   if (history_) history_->forget();
+}
+
+void Diffusion::finish() {
+  history_.reset();
+  multigrid_.release();
 }
 
 void Diffusion::forget() {
@@ -181,6 +185,9 @@ void Diffusion::record_gradients(gpu::Commands& commands, const FacetLight& ligh
 
 void Diffusion::record_surface(gpu::Commands& commands, const FacetLight& light) {
   const auto scope = commands.time("diffusion surface");
+  if (!surface_cleared_)  // not before: the set-up is where memory peaks
+    for (const gpu::Image& image : surface_gamma_) commands.clear(image);
+  surface_cleared_ = true;
   const glm::ivec3 n = domain_.frame.cells;
   const gpu::Bindings bindings{
       {"cut_index", domain_.cut_index}, {"cut_cells", domain_.cut_cells}, {"scales", scales_},

@@ -123,6 +123,14 @@ LevelPush Multigrid::push(std::size_t l, float omega, float step) const {
   return {levels_[l].cells, levels_[std::min(l + 1, levels_.size() - 1)].cells, omega, step};
 }
 
+void Multigrid::release() {
+  for (MultigridLevel& level : levels_) level = {};
+  pairs_ = {};
+  kept_ = {};
+  inverse_ = {};
+  deflation_ = {};
+}
+
 void Multigrid::set_up() {
   gpu::Commands commands(context_);
   for (std::size_t l = 0; l < levels_.size(); ++l) {
