@@ -46,11 +46,6 @@ gpu::Buffer scratch(gpu::Context& context, std::size_t bytes, const char* name) 
 
 }  // namespace
 
-glm::ivec3 tile_counts(const GridFrame& frame) {
-  return {(frame.cells.x + tile_size_x - 1) / tile_size_x, (frame.cells.y + tile_size_y - 1) / tile_size_y,
-          frame.cells.z};
-}
-
 /// A set of numbered bits on the device, with ranks: see scan.comp.
 struct BitSet {
   BitSet(gpu::Context& context, std::size_t count)
@@ -72,7 +67,6 @@ class DomainBuild {
         candidates_(context_, cell_count_),
         cuts_(context_, cell_count_),
         slits_(context_, cell_count_ / 4),
-        tiles_(context_, std::size_t(tile_counts(frame).x) * tile_counts(frame).y * frame.cells.z),
         status_(context_, sizeof(DomainStatus), "domain status") {
     out_.frame = frame;
     std::vector<glm::vec3> positions = grid_positions(mesh, frame);
@@ -110,7 +104,7 @@ class DomainBuild {
     gpu::Commands commands(context_);
     {
       auto timer = commands.time("domain/mark");
-      for (const BitSet* set : {&candidates_, &cuts_, &slits_, &tiles_}) commands.fill(set->bits);
+      for (const BitSet* set : {&candidates_, &cuts_, &slits_}) commands.fill(set->bits);
       commands.fill(status_);
       commands.barrier();
       commands.dispatch(maker_.mark_, {item_count_, 1, 1},
@@ -212,7 +206,6 @@ class DomainBuild {
     out_.volume = gpu::image3d(context_, texels, VK_FORMAT_R32G32B32A32_SFLOAT, "domain volume");
     out_.cut_index = gpu::image3d(context_, out_.frame.cells, VK_FORMAT_R32_UINT, "domain cut index");
     out_.cut_cells = gpu::Buffer(context_, (count + std::size_t(1)) * sizeof(GpuCutCell), "domain cut cells");
-    out_.tiles = gpu::Buffer(context_, tiles_.words * std::size_t(128), "domain tiles");
     totals_ = scratch(context_, (count + std::size_t(63)) / 64 * sizeof(Total), "domain totals");
     gpu::Buffer cut_list = scratch(context_, count * std::size_t(4), "domain cut list");
     gpu::Buffer slit_list = scratch(context_, slit_texels_ * std::size_t(4), "domain slit texels");
@@ -239,12 +232,8 @@ class DomainBuild {
       auto timer = commands.time("domain/dense");
       fill_dense(commands, texels);
       if (slit_texels_ > 0) part(commands, slit_list, slit_texels_);
-      scan(commands, tiles_);
-      list(commands, tiles_, out_.tiles);
     }
     commands.submit();
-    out_.summary.active_tiles = total(tiles_);
-    out_.tile_arguments = std::move(tiles_.total);
   }
 
   void part(gpu::Commands& commands, const gpu::Buffer& texels, std::uint32_t count) const {
@@ -268,7 +257,6 @@ class DomainBuild {
                        {"cut_before", cuts_.before},
                        {"cut_cells", out_.cut_cells},
                        {"status", status_},
-                       {"tile_bits", tiles_.bits},
                        {"aperture_x", out_.aperture[0]},
                        {"aperture_y", out_.aperture[1]},
                        {"aperture_z", out_.aperture[2]},
@@ -334,7 +322,7 @@ class DomainBuild {
   Domain out_;
   std::size_t cell_count_;
   std::uint32_t item_count_ = 0, pair_count_ = 0, candidate_count_ = 0, slit_texels_ = 0;
-  BitSet candidates_, cuts_, slits_, tiles_;
+  BitSet candidates_, cuts_, slits_;
   gpu::Buffer status_, positions_, triangles_, items_, sums_, faces_, gifts_, totals_;
 };
 

@@ -1,4 +1,4 @@
-// A translucent object on a solver grid: cut cells made on the device from its closed mesh, and the tiles with work.
+// A translucent object on a solver grid: cut cells made on the device from its closed mesh.
 // The definitions of volume, aperture, facet and the treatment of thin parts stand in cut_cells.h, the twin.
 #pragma once
 
@@ -16,7 +16,6 @@ namespace alabaster {
 struct DomainSummary {
   std::uint32_t cut_cells = 0;    // with surface
   std::uint32_t inner_cells = 0;  // whole
-  std::uint32_t active_tiles = 0;
   std::uint32_t slit_cells = 0;  // whose pieces beyond a gap were given to neighbours
   double volume = 0;             // m^3
   double area = 0;               // m^2
@@ -31,14 +30,9 @@ struct Domain {
   gpu::Image aperture[3];      // h^2: open part of the face between a cell and its lower x, y, z neighbour
   gpu::Image cut_index;        // r32ui, size `cells`: index into cut_cells, 0 for cells without surface
   gpu::Buffer cut_cells;       // GpuCutCell[summary.cut_cells + 1]; entry 0 is a plain inner cell
-  gpu::Buffer tiles;           // uint[active_tiles]: numbers of the tiles with a cell of volume > 0, ascending
-  gpu::Buffer tile_arguments;  // uvec3(active_tiles, 1, 1) for an indirect dispatch of one workgroup a tile
   DomainSummary summary;
   std::vector<std::string> warnings;
 };
-
-/// Tiles along each axis, tile_size_x by tile_size_y by 1 cells each.
-glm::ivec3 tile_counts(const GridFrame& frame);
 
 /// Makes domains; holds the pipelines, so that a second domain costs no set-up.
 class DomainMaker {

@@ -30,15 +30,6 @@ class Commands {
     finish_dispatch();
   }
 
-  /// Workgroup counts (three uint32) come from `arguments` at byte `offset`.
-  template <class Push = NoPush>
-  void dispatch_indirect(const Pass& pass, const Buffer& arguments, std::size_t offset, const Bindings& bindings,
-                         const Push& push = {}) {
-    prepare(pass, bindings, &push, push_bytes<Push>());
-    vkCmdDispatchIndirect(commands_, arguments.handle(), offset);
-    finish_dispatch();
-  }
-
   /// Dispatches recorded inside `body` do not wait for one another; a barrier follows the last.
   template <class Body>
   void concurrent(Body body) {

@@ -1,5 +1,5 @@
-// Dense fields, four x-neighbours a texel: volume fractions, final apertures, cut-cell indices, and which tiles are
-// active. One thread a texel.
+// Dense fields, four x-neighbours a texel: volume fractions, final apertures and cut-cell indices. One thread a
+// texel.
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
@@ -10,7 +10,6 @@ layout(binding = 0, scalar) readonly buffer CutBits { uint cut_bits[]; };
 layout(binding = 1, scalar) readonly buffer CutBefore { uint cut_before[]; };
 layout(binding = 2, scalar) readonly buffer CutCells { GpuCutCell cut_cells[]; };
 layout(binding = 3, scalar) buffer Status { DomainStatus status; };
-layout(binding = 4, scalar) buffer TileBits { uint tile_bits[]; };
 layout(binding = 5, rgba32f) uniform image3D aperture_x;
 layout(binding = 6, rgba32f) uniform image3D aperture_y;
 layout(binding = 7, rgba32f) uniform image3D aperture_z;
@@ -45,12 +44,6 @@ void fill_texel(ivec3 texel) {
   imageStore(aperture_x, texel, finished(x));
   imageStore(aperture_y, texel, finished(imageLoad(aperture_y, texel)));
   imageStore(aperture_z, texel, finished(imageLoad(aperture_z, texel)));
-  if (any(greaterThan(v, vec4(0)))) {
-    ivec2 tiles = (push.cells.xy + ivec2(tile_size_x, tile_size_y) - 1) / ivec2(tile_size_x, tile_size_y);
-    ivec2 tile = cell.xy / ivec2(tile_size_x, tile_size_y);
-    uint t = uint(tile.x + tiles.x * (tile.y + tiles.y * cell.z));
-    atomicOr(tile_bits[t >> 5], 1u << (t & 31u));
-  }
 }
 
 void main() {

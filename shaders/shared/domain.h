@@ -24,10 +24,6 @@ struct GpuCutCell {
   vec3 low_face_centre[3];     // h, of the wetted part of the faces towards lower x, y, z
 };
 
-// Active tiles: boxes of cells, numbered x fastest, then y, then z.
-const int tile_size_x = 32;  // cells
-const int tile_size_y = 16;
-
 // Counters of the passes.
 struct DomainStatus {
   uint closure;            // 2^-24 h^2: largest aperture left at the far end of a row

@@ -1,4 +1,7 @@
 // Every pass of the multigrid against its double-precision twin.
+#include <random>
+#include <set>
+
 #include "support/device.h"
 #include "support/diffusion_problems.h"
 
@@ -27,6 +30,25 @@ std::vector<Case> cases() {
   list.push_back({"needle", cylinder(0.012f, 1, 8), checker(0.02, 1, 1)});
   list.push_back({"odd sizes", box({1, 0.37f, 0.71f}), checker(0.02, 100, 0.2)});
   return list;
+}
+
+TEST_F(GpuMultigrid, BricksHoldEveryActiveCellAndNoOther) {
+  const glm::ivec3 n(36, 22, 9), width(4 * DIFFUSION_BRICK_X, DIFFUSION_BRICK_Y, 1);
+  std::mt19937 random(5);
+  std::vector<std::uint8_t> active(std::size_t(n.x) * n.y * n.z);
+  std::set<std::uint32_t> expected;
+  for (std::size_t i = 0; i < active.size(); ++i) {
+    active[i] = random() % 97 == 0;
+    const glm::ivec3 brick = glm::ivec3(i % n.x, i / n.x % n.y, i / n.x / n.y) / width;
+    if (active[i]) expected.insert(std::uint32_t(brick.x | brick.y << 10 | brick.z << 20));
+  }
+  const BrickList bricks = make_bricks(context, n, active);
+  std::vector<std::uint32_t> listed = gpu::download<std::uint32_t>(context, bricks.packed);
+  ASSERT_EQ(listed.size(), std::size_t(bricks.count));
+  EXPECT_EQ(bricks.count * 8 % DIFFUSION_GROUP, 0);  // whole workgroups: the rest are none
+  std::erase(listed, std::uint32_t(DIFFUSION_NO_BRICK));
+  EXPECT_EQ(std::set<std::uint32_t>(listed.begin(), listed.end()), expected);
+  EXPECT_EQ(listed.size(), expected.size());
 }
 
 TEST_F(GpuMultigrid, HierarchyEqualsTwin) {

@@ -190,31 +190,6 @@ TEST_F(DomainTest, TiltedSlitsArePartedAsInTheTwin) {
   }
 }
 
-TEST_F(DomainTest, TilesHoldEveryActiveCellAndNoOther) {
-  Mesh mesh = transformed(torus(1.0f, 0.2f, 40, 16), rotation({1, 0, 0}, 60));
-  Domain domain = maker.make(mesh, choose_frame(bounds_of(mesh), 70));
-  std::vector<float> volume = gpu::download<float>(context, domain.volume);
-  glm::ivec3 cells = domain.frame.cells, count = tile_counts(domain.frame);
-  std::vector<char> active(count.x * count.y * count.z, 0);
-  for (int z = 0; z < cells.z; ++z) {
-    for (int y = 0; y < cells.y; ++y) {
-      for (int x = 0; x < cells.x; ++x) {
-        if (volume[x + cells.x * (y + cells.y * z)] > 0) {
-          active[x / tile_size_x + count.x * (y / tile_size_y + count.y * z)] = 1;
-        }
-      }
-    }
-  }
-  std::vector<std::uint32_t> expected, listed = gpu::download<std::uint32_t>(context, domain.tiles);
-  for (std::uint32_t t = 0; t < active.size(); ++t) {
-    if (active[t]) expected.push_back(t);
-  }
-  listed.resize(domain.summary.active_tiles);
-  EXPECT_EQ(listed, expected);
-  EXPECT_EQ(gpu::download<glm::uvec3>(context, domain.tile_arguments)[0], glm::uvec3(expected.size(), 1, 1));
-  EXPECT_LT(expected.size(), active.size());
-}
-
 TEST_F(DomainTest, IsTheSameTwice) {
   Mesh mesh = bumpy(4);
   GridFrame frame = choose_frame(bounds_of(mesh), 32);

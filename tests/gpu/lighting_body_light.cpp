@@ -15,11 +15,7 @@ class LightingBodyLight : public GpuTest {
 
   /// A torus that a lamp and an environment light.
   static Scene scene() {
-    Scene scene;
-    scene.objects = {
-        make_object(Role::translucent, torus(1, 0.4f, 48, 24)),
-        make_light(transformed(quad(0.6f, 0.6f), translation({0.5, 3, 0.2}) * rotation({1, 0, 0}, 180)), {30, 50, 70})};
-    scene.objects[0].eta = eta;
+    Scene scene = torus_under_lamp(eta);
     scene.environment.radiance = {0.2f, 0.1f, 0.3f};
     return scene;
   }

@@ -14,14 +14,7 @@ class ShadingGather : public GpuTest {
     const glm::dvec3 dense = glm::dvec3(2, 6, 15) * (p.x > 0 ? 3.0 : 1.0);
     return {0.9 * dense, 0.1 * dense};
   }
-  static Scene scene() {
-    Scene scene;
-    scene.objects = {
-        make_object(Role::translucent, torus(1, 0.4f, 48, 24)),
-        make_light(transformed(quad(0.6f, 0.6f), translation({0.5, 3, 0.2}) * rotation({1, 0, 0}, 180)), {30, 50, 70})};
-    scene.objects[0].eta = eta;
-    return scene;
-  }
+  static Scene scene() { return torus_under_lamp(eta); }
 
   ShadingGather() {
     const Diffusion& d = body.diffusion();

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <vector>
 
+#include "domain/cut_cells.h"
 #include "shading/gather_closure.h"
 #include "shading/gather_exit.h"
 #include "support/diffusion_device.h"
@@ -52,11 +53,7 @@ class GatherTwin {
     return glm::normalize((cosine * normal - outside) / eta_ - refracted_cosine<double>(cosine, eta_) * normal);
   }
 
-  static int side_of(glm::dvec3 normal) {
-    const glm::dvec3 size = glm::abs(normal);
-    const int axis = size.x >= 0.9999 * size.y && size.x >= 0.9999 * size.z ? 0 : size.y >= 0.9999 * size.z ? 1 : 2;
-    return normal[axis] < 0 ? 1 : 0;
-  }
+  static int side_of(glm::dvec3 normal) { return facet_class(normal) & 1; }
 
   /// What arrives at `from` (h) along -`along`.
   Gathered along(glm::dvec3 from, glm::dvec3 normal, glm::dvec3 along) const {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "lighting/lighting.h"
+#include "scene/shapes.h"
 #include "support/device.h"
 
 namespace alabaster {
@@ -44,6 +45,16 @@ inline Object make_light(Mesh mesh, glm::vec3 radiance, bool two_sided = false) 
   object.radiance = radiance;
   object.two_sided = two_sided;
   return object;
+}
+
+/// A torus below a lamp.
+inline Scene torus_under_lamp(double eta) {
+  Scene scene;
+  scene.objects = {
+      make_object(Role::translucent, torus(1, 0.4f, 48, 24)),
+      make_light(transformed(quad(0.6f, 0.6f), translation({0.5, 3, 0.2}) * rotation({1, 0, 0}, 180)), {30, 50, 70})};
+  scene.objects[0].eta = eta;
+  return scene;
 }
 
 /// One receiver in the middle of every triangle.
