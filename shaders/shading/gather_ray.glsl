@@ -87,10 +87,19 @@ Gathered gather_along(vec3 from, vec3 normal, vec3 along) {
   vec3 left = vec3(1), tau = vec3(1e3);
   bool inside = false;
   const int most_steps = grid.cells.x + grid.cells.y + grid.cells.z;
-  const End out_ = mesh_end(from, along);
+  // The mesh is searched as far as the way is likely to go, and then as far again.
+  const float reach = likely_reach(w, 1.5 * GATHER_DEEP);
+  float searched = 0;
+  End out_ = End(nowhere, along);
   // Cells without solid on the way are slivers that were left out: like the cell before.
   Solid s = Solid(false, vec3(0), vec3(0));
-  for (int n = 0; n < most_steps && w.at < out_.at; ++n) {
+  for (int n = 0; n < most_steps; ++n) {
+    if (cell_end(w) > searched && out_.at == nowhere) {
+      const float near = searched;
+      searched = cell_end(w) + reach;
+      out_ = mesh_end(from, along, near, searched);
+    }
+    if (w.at >= out_.at) break;
     const Solid here = solid_at(w.cell);
     if (here.there) {
       s = here;

@@ -28,16 +28,28 @@ const float least_share = 1e-4;  // of the light behind that is worth a ray
 
 float largest(vec3 v) { return max(v.x, max(v.y, v.z)); }
 
-// Takes what is scattered and absorbed on the way `w` to its end.
-void cross_object(Way w, float end, inout vec3 left) {
+// Takes what is scattered and absorbed on the way `w` through the object. Returns its end, or `nowhere` where too little is left.
+// The mesh is searched as far as the way is likely to go, and then as far again.
+End cross_object(Way w, inout vec3 left) {
   const int most_steps = grid.cells.x + grid.cells.y + grid.cells.z;
+  const float reach = likely_reach(w, -log(least_share));
+  float searched = 0;
+  End end = End(nowhere, w.along);
   vec3 sigma_t = vec3(0);
-  for (int n = 0; n < most_steps && w.at < end && largest(left) > least_share; ++n) {
+  for (int n = 0; n < most_steps && largest(left) > least_share; ++n) {
+    if (cell_end(w) > searched && end.at == nowhere) {
+      const float near = searched;
+      searched = cell_end(w) + reach;
+      end = mesh_end(w.from, w.along, near, searched);
+    }
+    if (w.at >= end.at) return end;
     const Solid s = solid_at(w.cell);
     if (s.there) sigma_t = grid.channels == 1 ? s.sigma_t.rrr : s.sigma_t;
-    left *= exp(-sigma_t * (min(cell_end(w), end) - w.at));
+    left *= exp(-sigma_t * (min(cell_end(w), end.at) - w.at));
     step_on(w);
   }
+  end.at = nowhere;
+  return end;
 }
 
 // What is seen through the object, W/m^2/sr: straight light, and what other surfaces sent that was scattered there.
@@ -54,9 +66,8 @@ Behind behind(Hit hit, float cosine, vec3 turn, LightShare lights) {
   vec3 left = vec3(1);
   Behind sum = Behind(vec3(0), vec3(0));
   for (int mirrors = 0; mirrors <= BEAM_MOST_REFLECTIONS; ++mirrors) {
-    const End end = mesh_end(w.from, w.along);
+    const End end = cross_object(w, left);
     if (end.at == nowhere) break;
-    cross_object(w, end.at, left);
     const vec3 normal = end.normal;
     const float inside = dot(normal, w.along), outside = refracted_cosine(inside, 1 / grid.eta);
     const float reflectance = fresnel_reflectance(inside, 1 / grid.eta);
