@@ -187,17 +187,22 @@ void Reflection::record(gpu::Commands& commands, const Shading::Input& input, co
 }
 
 void Reflection::record_straight(gpu::Commands& commands, const Shading::Input& input, const MirroredScene& mirrored,
-                                 const Target& target) const {
+                                 const Target& target, const gpu::Buffer* open) const {
   gpu::Bindings all = bindings(input, mirrored, target);
+  all.push_back({"open_groups", open ? *open : mirrored.objects});
   for (const gpu::Binding& binding : target.surface.straight->bindings()) all.push_back(binding);
   const auto timer = commands.time("straight");
-  if (!straight_) straight_ = std::make_unique<gpu::Pass>(context_, "shading/straight.comp");
+  std::unique_ptr<gpu::Pass>& pass = straight_[open != nullptr];
+  if (!pass) pass = std::make_unique<gpu::Pass>(context_, "shading/straight.comp", gpu::Constants{open != nullptr});
   // One by one as above: ways through a thin object are long.
   ReflectionPush part = push(input, mirrored, target);
   const std::uint32_t samples = part.end_sample;
   for (part.first_sample = 0; part.first_sample < samples; ++part.first_sample) {
     part.end_sample = part.first_sample + 1;
-    commands.dispatch(*straight_, {target.extent, 1}, all, part);
+    if (open)
+      commands.dispatch_indirect(*pass, *open, all, part);
+    else
+      commands.dispatch(*pass, {target.extent, 1}, all, part);
   }
 }
 

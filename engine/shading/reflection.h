@@ -36,9 +36,10 @@ class Reflection {
   void record(gpu::Commands& commands, const Shading::Input& input, const MirroredScene& mirrored,
               const Target& target) const;
 
-  /// Adds what is seen straight through `surface` to "multiple" (stage "straight").
+  /// Adds what is seen straight through `surface` to "multiple" and "single" (stage "straight"), where set at the
+  /// pixels that shading/gathered.comp lists in `open`.
   void record_straight(gpu::Commands& commands, const Shading::Input& input, const MirroredScene& mirrored,
-                       const Target& target) const;
+                       const Target& target, const gpu::Buffer* open) const;
 
  private:
   ReflectionPush push(const Shading::Input& input, const MirroredScene& mirrored, const Target& target) const;
@@ -46,7 +47,7 @@ class Reflection {
   gpu::Context& context_;
   gpu::Sampler linear_;
   gpu::Pass glow_, reflection_;
-  mutable std::unique_ptr<gpu::Pass> straight_;  // made when first wanted
+  mutable std::unique_ptr<gpu::Pass> straight_[2];  // everywhere, at open pixels; made when first wanted
 };
 
 }  // namespace alabaster

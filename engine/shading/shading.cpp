@@ -322,12 +322,17 @@ ShadedPicture Shading::shade(const Input& input) const {
       const auto timer = commands.time("translucent");
       commands.dispatch(translucent_, {extent, 1}, bindings, push);
     }
+    const gpu::Buffer* open = nullptr;
     if (surface.gather) {
       const auto timer = commands.time("gathered");
+      open = &commands.keep(gpu::Buffer(
+          context_, 4 * sizeof(std::uint32_t) * (1 + std::size_t(extent.x) * extent.y / 4 + 1), "open pixels"));
+      commands.fill(*open);
       if (!gathered_) gathered_ = std::make_unique<gpu::Pass>(context_, "shading/gathered.comp");
       bindings = surface.gather->picture_bindings();
       for (const gpu::Binding& binding : shared) bindings.push_back(binding);
       bindings.push_back({"single", sums.single});
+      bindings.push_back({"open_groups", *open});
       with_single = true;
       commands.dispatch(*gathered_, {extent, 1}, bindings, push);
     }
@@ -340,7 +345,7 @@ ShadedPicture Shading::shade(const Input& input) const {
     if (surface.straight) {
       gpu::Bindings sums_there = shared;
       sums_there.push_back({"single", sums.single});
-      reflection_->record_straight(commands, input, mirrored, {surface, rays, rectangle.low, extent, sums_there});
+      reflection_->record_straight(commands, input, mirrored, {surface, rays, rectangle.low, extent, sums_there}, open);
     }
     if (input.scene.objects[static_cast<std::size_t>(surface.object)].eta != 1)
       reflection_->record(commands, input, mirrored, {surface, rays, rectangle.low, extent, shared});
