@@ -159,6 +159,8 @@ RenderResult render_scene(gpu::Context& context, const Scene& scene, const Plan&
 
 RenderResult render_scene(gpu::Context& context, const Pipelines& pipelines, const Scene& scene, const Plan& plan) {
   RenderResult result;
+  const bool beams = plan.transport == Transport::beam || plan.transport == Transport::gather;
+  pipelines.shading.begin(scene, plan.transport == Transport::gather, beams);
   std::unique_ptr<SceneMeshes> meshes;
   std::unique_ptr<Lighting> lighting;
   {

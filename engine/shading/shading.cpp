@@ -215,6 +215,17 @@ Shading::Shading(gpu::Context& context)
 
 Shading::~Shading() = default;
 
+void Shading::begin(const Scene& scene, bool gather, bool straight) const {
+  reflection_->begin(scene);
+  if (gather) gathered();
+  if (straight) reflection_->begin_straight(scene, gather);
+}
+
+const gpu::Pass& Shading::gathered() const {
+  if (!gathered_) gathered_ = std::make_unique<gpu::Pass>(context_, "shading/gathered.comp");
+  return *gathered_;
+}
+
 void Shading::draw_visible(const Input& input, const glm::mat4& matrix, const gpu::Targets& targets) const {
   gpu::Commands commands(context_);
   {
@@ -328,13 +339,12 @@ ShadedPicture Shading::shade(const Input& input) const {
       open = &commands.keep(gpu::Buffer(
           context_, 4 * sizeof(std::uint32_t) * (1 + std::size_t(extent.x) * extent.y / 4 + 1), "open pixels"));
       commands.fill(*open);
-      if (!gathered_) gathered_ = std::make_unique<gpu::Pass>(context_, "shading/gathered.comp");
       bindings = surface.gather->picture_bindings();
       for (const gpu::Binding& binding : shared) bindings.push_back(binding);
       bindings.push_back({"single", sums.single});
       bindings.push_back({"open_groups", *open});
       with_single = true;
-      commands.dispatch(*gathered_, {extent, 1}, bindings, push);
+      commands.dispatch(gathered(), {extent, 1}, bindings, push);
     }
     if (surface.single) {
       with_single = true;

@@ -301,14 +301,13 @@ void light_side(uint at) {
   near_cosine = 0;
   const bool lamp = push.first < lighting.points;  // no part has both
   const uint end = min(push.end, arrivals());
-  Bundle bundle = Bundle(vec3(0), vec3(0), 0, 0);
-  for (uint i = push.first; i < end; ++i) {
+  for (uint i = push.first; i < end; i += push.group) {
+    Bundle bundle = Bundle(vec3(0), vec3(0), 0, 0);
     if (lamp || starts_here((i - lighting.points) / push.group, of, push.round))
-      add_to(bundle, lamp ? point_arrival(points[i], receiver, push.eta) : arrival(i, around, push.eta, sky), lamp);
-    if (i + 1 < end && (i + 1 - push.first) % push.group != 0) continue;
+      for (uint k = i; k < min(i + push.group, end); ++k)
+        add_to(bundle, lamp ? point_arrival(points[k], receiver, push.eta) : arrival(k, around, push.eta, sky), lamp);
     f.normal = lamp ? receiver.normal : around.normal;
     Arrival light = arrival_of(bundle, f.normal, lamp);
-    bundle = Bundle(vec3(0), vec3(0), 0, 0);
     light.flux *= lamp ? start.area / side.area : 1;
     all += light.flux;
     uvec3 units = uvec3(0);

@@ -23,7 +23,8 @@ RayTriangle ray_triangle(uint i) {
 
 // The nearest triangle between `near` and `far`, m. Closed ones are met from outside, or with `side` -1 from inside. The lanes of a
 // CPU walk on to the next leaf each and test triangles together: no lane tests any while another is between leaves. (Lavapipe
-// runs what is under an `if`, and once what is in a loop, whether or not a lane wants it.)
+// runs what is under an `if`, and once what is in a loop, whether or not a lane wants it; a `do` spares that, but what goes on from
+// turn to turn and out of it must be scalars, or lanes that have ended lose it.)
 RayHit trace_side(vec3 origin, vec3 direction, float near, float far, float side) {
   const vec3 inverse = vec3(ray_inverse(direction.x), ray_inverse(direction.y), ray_inverse(direction.z));
   RayHit hit = RayHit(far, ray_missed);

@@ -20,16 +20,18 @@ void main() {
   if (todo == 0) return;
   vec3 sum = vec3(0), once = vec3(0);
   bool open = false;
-  while (todo != 0) {
-    const Hit hit = next_patch(push.camera, pixel, 0.3 * grid.h, todo);
-    const vec3 at = (hit.position - grid.origin) / grid.h;
-    const float cosine = clamp(dot(hit.normal, hit.to_eye), 0.001, 1);
-    const Gathered inside = gather_along(at, hit.normal, refracted_inwards(hit.to_eye, hit.normal, cosine), -log(STRAIGHT_LEAST_SHARE));
-    const float scale = fresnel_transmittance(cosine, grid.eta) / (4 * 3.14159265358979 * grid.eta * grid.eta);
-    once += hit.weight * scale * inside.single;
-    sum += hit.weight * scale * (level * inside.all - inside.single);
-    open = open || inside.open;
-  }
+  do if (todo != 0) {
+      const Hit hit = next_patch(push.camera, pixel, 0.3 * grid.h, todo);
+      const vec3 at = (hit.position - grid.origin) / grid.h;
+      const float cosine = clamp(dot(hit.normal, hit.to_eye), 0.001, 1);
+      const vec3 inwards = refracted_inwards(hit.to_eye, hit.normal, cosine);
+      const Gathered inside = gather_along(at, hit.normal, inwards, -log(STRAIGHT_LEAST_SHARE));
+      const float scale = fresnel_transmittance(cosine, grid.eta) / (4 * 3.14159265358979 * grid.eta * grid.eta);
+      once += hit.weight * scale * inside.single;
+      sum += hit.weight * scale * (level * inside.all - inside.single);
+      open = open || inside.open;
+    }
+  while (todo != 0);
   const ivec2 at = ivec2(pixel);
   imageStore(multiple, at, imageLoad(multiple, at) + vec4(sum, 0));
   imageStore(single, at, imageLoad(single, at) + vec4(once, 0));

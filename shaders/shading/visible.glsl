@@ -12,6 +12,8 @@ layout(binding = 8, rgba32f) uniform image2D fluence;   // rgb, distance
 layout(binding = 9, rgba32f) uniform image2D gamma_s;   // rgb, share that sees anything
 layout(binding = 10, rgba32f) uniform image2D normals;  // xyz
 
+// Loops over what a pixel sees are written `do if (todo != 0) {..} while (todo != 0)`. Lavapipe runs a `while` once more than it
+// turns; and what a turn computes it keeps for lanes that have ended only where it stands under an `if` of its own.
 struct Hit {
   uint triangle;
   float weight;  // share of the pixel
