@@ -5,8 +5,9 @@
 namespace alabaster {
 namespace {
 
-// The passes end when what surfaces send each other changes by less than this share of the light.
-constexpr double exchange_tolerance = 1e-4;
+// The passes end when the next one, settle()'s, will change what surfaces send each other by less than this share of
+// the light.
+constexpr double exchange_tolerance = 9e-5;
 // The solver's residual in a pass, of the change in the pass before.
 constexpr double residual_share = 0.05;
 
@@ -18,7 +19,7 @@ std::vector<ExchangeBody> exchange_bodies(const std::vector<LitBody>& bodies) {
 }
 
 // The transports' own sources bring in what surfaces send when that has come so near to its end.
-constexpr double known_from = 3e-3;
+constexpr double known_from = 1e-2;
 
 }  // namespace
 
@@ -99,18 +100,21 @@ double Interreflections::adopt(std::vector<glm::dvec3> entered) {
 
 void Interreflections::approach() {
   if (report_.counts.translucent == 0) return;
-  double moved = 1;
+  double moved = 1, slowest = 0;
   bool apart = std::any_of(bodies_.begin(), bodies_.end(), [](const LitBody& body) { return body.light.apart(); });
-  for (; report_.passes < plan_.interreflections && moved > exchange_tolerance; ++report_.passes) {
+  for (bool ended = false; report_.passes < plan_.interreflections && !ended; ++report_.passes) {
     for (const LitBody& body : bodies_)
       body.diffusion.approach(body.light.light(), std::max(plan_.tolerance, residual_share * moved));
     send();
-    if (apart && moved < known_from) {
-      learn();
-      apart = false;
-    }
+    const bool learns = apart && moved < known_from;
+    if (learns) learn();
+    apart = apart && !learns;
     gather();
+    const double before = moved;
     moved = adopt(entering());
+    if (!learns) slowest = std::max(slowest, moved / before);
+    // What changed last, and what the solver left, fall once more.
+    ended = !learns && slowest * (moved + residual_share * before) < exchange_tolerance;
   }
 }
 

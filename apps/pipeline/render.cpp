@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <future>
 #include <memory>
 
 #include "pipeline/body_light.h"
@@ -159,6 +160,8 @@ RenderResult render_scene(gpu::Context& context, const Scene& scene, const Plan&
 
 RenderResult render_scene(gpu::Context& context, const Pipelines& pipelines, const Scene& scene, const Plan& plan) {
   RenderResult result;
+  const bool beams = plan.transport == Transport::beam || plan.transport == Transport::gather;
+  pipelines.shading.begin(scene, plan.transport == Transport::gather, beams);
   std::unique_ptr<SceneMeshes> meshes;
   std::unique_ptr<Lighting> lighting;
   {
@@ -168,11 +171,17 @@ RenderResult render_scene(gpu::Context& context, const Pipelines& pipelines, con
         context, scene, *meshes, LightSettings{plan.light_samples, plan.environment_samples, plan.shadow_map_size});
     gpu::Commands commands(context);
     lighting->record_shadow_maps(commands);
-    commands.start();
-    const RayTree tree = make_ray_tree(scene);
-    commands.wait();
-    meshes->rays = upload_ray_tree(context, tree);
+    commands.submit();
   }
+  // Made while the device works alone: the solver's set-up leaves a CPU's other threads to it.
+  std::future<RayTree> tree;
+  const auto begin_tree = [&] {
+    if (!tree.valid() && !meshes->rays.nodes)
+      tree = std::async(std::launch::async, [&] { return make_ray_tree(scene); });
+  };
+  const auto end_tree = [&] {
+    if (tree.valid()) meshes->rays = upload_ray_tree(context, tree.get());
+  };
 
   SolverOptions options;
   options.tolerance = plan.tolerance;
@@ -194,6 +203,7 @@ RenderResult render_scene(gpu::Context& context, const Pipelines& pipelines, con
       const std::string warning = short_ways_warning(medium, body.domain.frame, plan.grid);
       if (!warning.empty()) result.warnings.push_back(object.name + ": " + warning);
     }
+    begin_tree();
     {
       Stage stage(result, "solver set-up");
       body.diffusion = std::make_unique<Diffusion>(context, pipelines.solver, pipelines.fluence, body.domain,
@@ -209,12 +219,15 @@ RenderResult render_scene(gpu::Context& context, const Pipelines& pipelines, con
         body.single = std::make_unique<SingleScattering>(
             context, body.domain, *body.diffusion,
             SingleScattering::Subject{static_cast<int>(i), object.medium, object.eta});
+      end_tree();
       if (body.single) {
         body.single->prepare(*lighting, *meshes);
         body.light->take_out(*body.single);
       }
     }
   }
+  begin_tree();
+  end_tree();
   solve_all(context, scene, *lighting, plan, bodies, result);
   for (const auto& body : bodies) body->diffusion->finish();
 

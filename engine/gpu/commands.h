@@ -30,6 +30,14 @@ class Commands {
     finish_dispatch();
   }
 
+  /// As many workgroups as the first three words of `groups` say when it is their turn.
+  template <class Push = NoPush>
+  void dispatch_indirect(const Pass& pass, const Buffer& groups, const Bindings& bindings, const Push& push = {}) {
+    prepare(pass, bindings, &push, push_bytes<Push>());
+    vkCmdDispatchIndirect(commands_, groups.handle(), 0);
+    finish_dispatch();
+  }
+
   /// Dispatches recorded inside `body` do not wait for one another; a barrier follows the last.
   template <class Body>
   void concurrent(Body body) {
@@ -79,7 +87,8 @@ class Commands {
 
   /// Ends the recording (once), runs it and waits. May be called again: the same commands run again.
   void submit();
-  /// submit() in two steps, for work on the CPU in between; only such work that uses nothing of what these commands use.
+  /// submit() in two steps, for work on the CPU in between; only such work that uses nothing of what these commands
+  /// use.
   void start();
   void wait();
 

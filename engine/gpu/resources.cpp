@@ -19,7 +19,8 @@ Buffer::Buffer(Context& context, std::size_t bytes, const std::string& name, Mem
   info.usage = VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT;
   if (!staging)
     info.usage |= VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT |
-                  VK_BUFFER_USAGE_VERTEX_BUFFER_BIT | VK_BUFFER_USAGE_INDEX_BUFFER_BIT;
+                  VK_BUFFER_USAGE_VERTEX_BUFFER_BIT | VK_BUFFER_USAGE_INDEX_BUFFER_BIT |
+                  VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT;
   check(vkCreateBuffer(context.device(), &info, nullptr, &buffer_), name + ": vkCreateBuffer");
   VkMemoryRequirements needs;
   vkGetBufferMemoryRequirements(context.device(), buffer_, &needs);

@@ -49,11 +49,12 @@ class BeamSource {
  private:
   const Domain& domain_;
   int channels_;
-  std::uint32_t rounds_;  // as many as a facet has starts at most
+  std::vector<std::uint32_t>
+      first_of_round_;  // of sides_; a round for each start that a facet has at most, and the end
   FacetReceivers receivers_;
   gpu::Pass march_, source_, share_, spread_;
-  gpu::Buffer deposits_, carries_, counters_, starts_, starts_of_, leaving_, gamma_s_, query_gamma_, entered_, near_,
-      shares_, through_;
+  gpu::Buffer deposits_, carries_, counters_, starts_, starts_of_, sides_, leaving_, gamma_s_, query_gamma_, entered_,
+      near_, shares_, through_;
   gpu::Image power_;
   glm::dvec3 unit_{0};
 };

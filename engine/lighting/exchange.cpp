@@ -47,6 +47,7 @@ Exchange::Exchange(gpu::Context& context, const Scene& scene, const Lighting& li
       shares_(
           std::clamp(static_cast<std::uint32_t>(lighting.samples().area.size()) / least_asked, 1u, most_light_shares)),
       environment_(lighting.samples().environment),
+      order_passes_{{context, "lighting/link_order.comp", {0}}, {context, "lighting/link_order.comp", {1}}},
       links_pass_(context, "lighting/links.comp"),
       facets_pass_(context, "lighting/link_facets.comp"),
       opaque_pass_(context, "lighting/link_opaque.comp"),
@@ -115,7 +116,19 @@ Exchange::Hits Exchange::trace(const Scene& scene, const Lighting& lighting) {
     const LinkPush push = link_push(bodies_[i]);
     counts_.rays += std::uint64_t(push.sides) * push.directions;
     const auto timer = commands.time("links");
-    commands.dispatch(links_pass_, {push.sides, push.directions, 1}, all, push);
+    const gpu::Buffer &bins = commands.keep(gpu::Buffer(context_, 2 * link_bins * sizeof(std::uint32_t), "link bins")),
+                      &order = commands.keep(gpu::Buffer(context_, bodies_[i].links.bytes(), "order of links"));
+    commands.fill(bins);
+    const glm::uvec3 rays(push.sides, push.directions, 1);
+    for (const gpu::Pass& pass : order_passes_)
+      commands.dispatch(pass, rays,
+                        {{"sides", bodies_[i].side_buffer},
+                         {"receivers", bodies_[i].body.source.receivers()},
+                         {"bins", bins},
+                         {"order", order}},
+                        push);
+    all.push_back({"order", order});
+    commands.dispatch(links_pass_, rays, all, push);
   }
   commands.submit();
   hits.on = gpu::download<std::uint32_t>(context_, counts);

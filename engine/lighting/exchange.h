@@ -88,7 +88,7 @@ class Exchange {
   std::uint32_t shares_;  // of the light samples: most_light_shares
   glm::vec3 environment_;
   std::uint32_t entries_ = 0;  // of all bodies
-  gpu::Pass links_pass_, facets_pass_, opaque_pass_, opaque_light_pass_, gather_pass_;
+  gpu::Pass order_passes_[2], links_pass_, facets_pass_, opaque_pass_, opaque_light_pass_, gather_pass_;
   std::vector<Part> bodies_;
   gpu::Buffer transmitted_, mirrored_[2], known_transmitted_, known_mirrored_;
   bool known_ = false;  // there is any

@@ -125,6 +125,21 @@ LightSample sample_point(const PunctualLight& light, glm::dvec3 target, int i, i
   return sample;
 }
 
+/// Orders samples of one light so that each half, quarter and so on of them lies together.
+void put_together(std::vector<LightSample>::iterator first, std::vector<LightSample>::iterator end) {
+  if (end - first < 3) return;
+  const auto place = [](const LightSample& s) { return s.kind == light_directional ? s.normal : s.position; };
+  Bounds box;
+  for (auto s = first; s != end; ++s) box.add(place(*s));
+  const glm::vec3 size = box.size();
+  const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
+  std::stable_sort(first, end,
+                   [&](const LightSample& a, const LightSample& b) { return place(a)[axis] < place(b)[axis]; });
+  const auto middle = first + (end - first) / 2;
+  put_together(first, middle);
+  put_together(middle, end);
+}
+
 LightSample sample_of(const SkyPart& part) {
   LightSample sample;
   sample.kind = light_directional;
@@ -160,12 +175,19 @@ LightSamples sample_lights(const Scene& scene, int samples, int directions) {
   LightSamples result;
   result.environment = scene.environment.radiance;
   if (!lights.empty()) share_out(lights, samples);
-  for (const Light& light : lights)
+  const auto first_of_next = [&] { return static_cast<std::ptrdiff_t>(result.area.size()); };
+  for (const Light& light : lights) {
+    const std::ptrdiff_t first = first_of_next();
     for (int i = 0; i < light.samples; ++i)
       result.area.push_back(light.punctual ? sample_point(*light.punctual, focus.centre, i, light.samples)
                                            : sample_point(light, scene.objects[light.object], i, light.samples));
-  if (scene.environment.picture && directions > 0)
+    put_together(result.area.begin() + first, result.area.end());
+  }
+  if (scene.environment.picture && directions > 0) {
+    const std::ptrdiff_t first = first_of_next();
     for (const SkyPart& part : cut_sky(*scene.environment.picture, directions)) result.area.push_back(sample_of(part));
+    put_together(result.area.begin() + first, result.area.end());
+  }
   if (result.area.size() > most_samples)
     throw UserError(scene.path + ": " + std::to_string(lights.size()) +
                     " emissive meshes and lights, and the environment's parts, where " + std::to_string(most_samples) +

@@ -32,6 +32,7 @@ SpotCone spot_cone(const PunctualLight& light);
 /// for each light that shines, stratified over each light's area; a punctual light takes few (its shadows have narrow
 /// edges), an ideal one a single sample. `directions` evenly spread directions (a Fibonacci sphere) of the
 /// constant environment, where it shines; at most as many samples of its picture, nearer where more light comes from.
+/// Samples of one light that follow each other lie near each other.
 /// Throws UserError for a negative or unbounded number.
 LightSamples sample_lights(const Scene& scene, int samples, int directions = 0);
 

@@ -13,6 +13,8 @@ static_assert(sizeof(MirroredObject) == 72 && sizeof(Emitter) == 44 && sizeof(Gl
 
 namespace {
 
+constexpr const char *reflection_shader = "shading/reflection.comp", *straight_shader = "shading/straight.comp";
+
 float largest(glm::vec3 v) { return std::max({v.r, v.g, v.b}); }
 
 std::uint32_t kind_of(Role role) {
@@ -74,10 +76,19 @@ gpu::Image glow_image(gpu::Context& context, glm::ivec3 size) {
 }  // namespace
 
 Reflection::Reflection(gpu::Context& context)
-    : context_(context),
-      linear_(context, gpu::Filter::linear),
-      glow_(context, "shading/glow.comp"),
-      reflection_(context, "shading/reflection.comp") {}
+    : context_(context), linear_(context, gpu::Filter::linear), glow_(context, "shading/glow.comp") {}
+
+const gpu::Pass& Reflection::pass(const char* shader, const Scene& scene, bool listed) const {
+  const bool any_rough = std::any_of(scene.objects.begin(), scene.objects.end(), rough),
+             sky = scene.environment.radiance != glm::vec3(0);
+  std::unique_ptr<gpu::Pass>& made = passes_[{shader, listed, any_rough, sky}];
+  if (!made) made = std::make_unique<gpu::Pass>(context_, shader, gpu::Constants{listed, any_rough, sky});
+  return *made;
+}
+
+void Reflection::begin(const Scene& scene) const { pass(reflection_shader, scene, false); }
+
+void Reflection::begin_straight(const Scene& scene, bool listed) const { pass(straight_shader, scene, listed); }
 
 MirroredScene Reflection::prepare(const Shading::Input& input) const {
   MirroredScene result;
@@ -175,6 +186,7 @@ void Reflection::record(gpu::Commands& commands, const Shading::Input& input, co
                         const Target& target) const {
   ReflectionPush part = push(input, mirrored, target);
   const gpu::Bindings all = bindings(input, mirrored, target);
+  const gpu::Pass& reflection = pass(reflection_shader, input.scene, false);
   const auto timer = commands.time("reflection");
   // Lavapipe ends an invocation after 65535 turns of its loops, all taken together: only a few samples go at once, and
   // rough ones one by one.
@@ -182,22 +194,26 @@ void Reflection::record(gpu::Commands& commands, const Shading::Input& input, co
   const std::uint32_t at_once = rough(input.scene.objects[part.object]) ? 1u : std::min(samples, 4u);
   for (part.first_sample = 0; part.first_sample < samples; part.first_sample += at_once) {
     part.end_sample = std::min(part.first_sample + at_once, samples);
-    commands.dispatch(reflection_, {target.extent, 1}, all, part);
+    commands.dispatch(reflection, {target.extent, 1}, all, part);
   }
 }
 
 void Reflection::record_straight(gpu::Commands& commands, const Shading::Input& input, const MirroredScene& mirrored,
-                                 const Target& target) const {
+                                 const Target& target, const gpu::Buffer* open) const {
   gpu::Bindings all = bindings(input, mirrored, target);
+  all.push_back({"open_groups", open ? *open : mirrored.objects});
   for (const gpu::Binding& binding : target.surface.straight->bindings()) all.push_back(binding);
   const auto timer = commands.time("straight");
-  if (!straight_) straight_ = std::make_unique<gpu::Pass>(context_, "shading/straight.comp");
+  const gpu::Pass& straight = pass(straight_shader, input.scene, open != nullptr);
   // One by one as above: ways through a thin object are long.
   ReflectionPush part = push(input, mirrored, target);
   const std::uint32_t samples = part.end_sample;
   for (part.first_sample = 0; part.first_sample < samples; ++part.first_sample) {
     part.end_sample = part.first_sample + 1;
-    commands.dispatch(*straight_, {target.extent, 1}, all, part);
+    if (open)
+      commands.dispatch_indirect(straight, *open, all, part);
+    else
+      commands.dispatch(straight, {target.extent, 1}, all, part);
   }
 }
 

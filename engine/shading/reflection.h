@@ -2,6 +2,9 @@
 // tree of lighting/ray_tree.h.
 #pragma once
 
+#include <map>
+#include <tuple>
+
 #include "gpu/commands.h"
 #include "shading/shading.h"
 #include "shared/reflection.h"
@@ -20,6 +23,10 @@ class Reflection {
  public:
   explicit Reflection(gpu::Context& context);
 
+  /// Starts to make what record() or record_straight() of this scene will need; `listed`: with a list of open pixels.
+  void begin(const Scene& scene) const;
+  void begin_straight(const Scene& scene, bool listed) const;
+
   MirroredScene prepare(const Shading::Input& input) const;
 
   /// Fills the glow image (stage "glow").
@@ -36,17 +43,21 @@ class Reflection {
   void record(gpu::Commands& commands, const Shading::Input& input, const MirroredScene& mirrored,
               const Target& target) const;
 
-  /// Adds what is seen straight through `surface` to "multiple" (stage "straight").
+  /// Adds what is seen straight through `surface` to "multiple" and "single" (stage "straight"), where set at the
+  /// pixels that shading/gathered.comp lists in `open`.
   void record_straight(gpu::Commands& commands, const Shading::Input& input, const MirroredScene& mirrored,
-                       const Target& target) const;
+                       const Target& target, const gpu::Buffer* open) const;
 
  private:
   ReflectionPush push(const Shading::Input& input, const MirroredScene& mirrored, const Target& target) const;
   gpu::Bindings bindings(const Shading::Input& input, const MirroredScene& mirrored, const Target& target) const;
   gpu::Context& context_;
   gpu::Sampler linear_;
-  gpu::Pass glow_, reflection_;
-  mutable std::unique_ptr<gpu::Pass> straight_;  // made when first wanted
+  gpu::Pass glow_;
+  /// Without what the scene has no use for; the first call starts to make it.
+  const gpu::Pass& pass(const char* shader, const Scene& scene, bool listed) const;
+  using Variant = std::tuple<std::string, bool, bool, bool>;  // listed, rough, uniform sky
+  mutable std::map<Variant, std::unique_ptr<gpu::Pass>> passes_;
 };
 
 }  // namespace alabaster

@@ -215,6 +215,17 @@ Shading::Shading(gpu::Context& context)
 
 Shading::~Shading() = default;
 
+void Shading::begin(const Scene& scene, bool gather, bool straight) const {
+  reflection_->begin(scene);
+  if (gather) gathered();
+  if (straight) reflection_->begin_straight(scene, gather);
+}
+
+const gpu::Pass& Shading::gathered() const {
+  if (!gathered_) gathered_ = std::make_unique<gpu::Pass>(context_, "shading/gathered.comp");
+  return *gathered_;
+}
+
 void Shading::draw_visible(const Input& input, const glm::mat4& matrix, const gpu::Targets& targets) const {
   gpu::Commands commands(context_);
   {
@@ -322,14 +333,18 @@ ShadedPicture Shading::shade(const Input& input) const {
       const auto timer = commands.time("translucent");
       commands.dispatch(translucent_, {extent, 1}, bindings, push);
     }
+    const gpu::Buffer* open = nullptr;
     if (surface.gather) {
       const auto timer = commands.time("gathered");
-      if (!gathered_) gathered_ = std::make_unique<gpu::Pass>(context_, "shading/gathered.comp");
+      open = &commands.keep(gpu::Buffer(
+          context_, 4 * sizeof(std::uint32_t) * (1 + std::size_t(extent.x) * extent.y / 4 + 1), "open pixels"));
+      commands.fill(*open);
       bindings = surface.gather->picture_bindings();
       for (const gpu::Binding& binding : shared) bindings.push_back(binding);
       bindings.push_back({"single", sums.single});
+      bindings.push_back({"open_groups", *open});
       with_single = true;
-      commands.dispatch(*gathered_, {extent, 1}, bindings, push);
+      commands.dispatch(gathered(), {extent, 1}, bindings, push);
     }
     if (surface.single) {
       with_single = true;
@@ -340,7 +355,7 @@ ShadedPicture Shading::shade(const Input& input) const {
     if (surface.straight) {
       gpu::Bindings sums_there = shared;
       sums_there.push_back({"single", sums.single});
-      reflection_->record_straight(commands, input, mirrored, {surface, rays, rectangle.low, extent, sums_there});
+      reflection_->record_straight(commands, input, mirrored, {surface, rays, rectangle.low, extent, sums_there}, open);
     }
     if (input.scene.objects[static_cast<std::size_t>(surface.object)].eta != 1)
       reflection_->record(commands, input, mirrored, {surface, rays, rectangle.low, extent, shared});

@@ -57,6 +57,10 @@ class Shading {
   explicit Shading(gpu::Context& context);
   ~Shading();
 
+  /// Starts to make the passes that pictures of a scene will need, as a driver takes its time for them: `gather`:
+  /// surfaces have one, `straight`: they have that.
+  void begin(const Scene& scene, bool gather, bool straight) const;
+
   struct Input {
     const Scene& scene;
     const SceneMeshes& meshes;
@@ -86,6 +90,7 @@ class Shading {
     gpu::Bindings bindings;
   };
   void record_single(gpu::Commands& commands, Single single) const;
+  const gpu::Pass& gathered() const;  // made when first wanted
 
   gpu::Context& context_;
   gpu::Sampler linear_, nearest_;

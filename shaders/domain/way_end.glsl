@@ -5,10 +5,17 @@ struct End {
   vec3 normal;
 };
 
-End mesh_end(vec3 from, vec3 along) {
-  const float reach = GRID.h * float(GRID.cells.x + GRID.cells.y + GRID.cells.z);
-  const RayHit hit = trace_side(GRID.origin + GRID.h * from, along, 0, reach, -1);
+// Between `near` and `far`, h: most ways are spent long before they leave, and a short ray meets little of the tree.
+End mesh_end(vec3 from, vec3 along, float near, float far) {
+  const RayHit hit = trace_side(GRID.origin + GRID.h * from, along, GRID.h * near, GRID.h * far, -1);
   if (hit.triangle == ray_missed) return End(nowhere, along);
   const RayTriangle met = ray_triangle(hit.triangle);
   return End(hit.distance / GRID.h, normalize(cross(met.edge1, met.edge2)));
+}
+
+// How far a way may go that spends itself at `depth` in matter like that of its first cell, h.
+float likely_reach(Way w, float depth) {
+  const Solid s = solid_at(w.cell);
+  const float least = GRID.channels == 1 ? s.sigma_t.r : min(s.sigma_t.r, min(s.sigma_t.g, s.sigma_t.b));
+  return 2 + (s.there ? depth / max(least, 1e-6) : 8);
 }

@@ -46,13 +46,7 @@ Arrival point_arrival(LightPoint light, Receiver r, float eta) {
   a.cosine = dot(r.normal, a.towards);
   const float sent = light_share(light.kind, -dot(light.normal, a.towards), light.cone.scale, light.cone.offset);
   if (a.cosine <= 0 || sent <= 0) return a;
-  float lit = 1;
-  for (uint v = 0; v < light.views; ++v) {
-    bool inside;
-    lit = look_up(light.first_view + v, r.position, r.normal, r.slack, inside);
-    if (inside) break;
-  }
-  a.flux = light.intensity * (lit * point_transfer(a.cosine, sent, distance2, eta));
+  a.flux = light.intensity * (lit_share(light, r.position, r.normal, r.slack) * point_transfer(a.cosine, sent, distance2, eta));
   return a;
 }
 

@@ -1,5 +1,5 @@
-// Marches light samples (push.first to push.end) from one start of each facet (push.round) into the object and lays down what they
-// lose: one thread a cut cell. What the facets keep is added to what the samples and starts before left there.
+// Marches light samples (push.first to push.end) from one start (push.round) of each facet that has it into the object and lays
+// down what they lose: one thread a facet. What the facets keep is added to what the samples and starts before left there.
 //
 // In each cell the beam loses units by exp(-sigma_t' s) with the cell's reduced coefficients; the scattered share becomes a
 // source, the rest is absorbed. A loss between two cells' centroids along the way is shared between them so that its mean depth
@@ -36,6 +36,7 @@ layout(binding = 15, scalar) buffer Entered { vec3 entered[]; };         // all 
 layout(binding = 16, scalar) buffer Near { vec4 near_light[]; };         // scattered near the facet, W/m^2; mean cosine
 layout(binding = 22, scalar) readonly buffer Starts { BeamStart starts[]; };
 layout(binding = 23, scalar) readonly buffer StartsOf { uvec2 starts_of[]; };  // first and count
+layout(binding = 24, scalar) readonly buffer Sides { uint sides[]; };          // 2 * cut cell + side
 
 const int counter_words = 3 * BEAM_COUNTERS;
 // Cells (h): what is scattered nearer than this to its facet drives the boundary condition, where the object is that deep.
@@ -241,21 +242,50 @@ float near_of(GpuFacet side, vec3 origin, vec3 normal) {
 }
 
 // Surfaces and the environment light all of a facet alike: the samples are shared out among its starts, by their areas.
-bool starts_here(uint sample_, uvec2 of, uint own) {
+bool starts_here(uint beam, uvec2 of, uint own) {
   float all = 0, before = 0;
   for (uint k = 0; k < of.y; ++k) {
     if (k == own) before = all;
     all += starts[of.x + k].area;
   }
-  const float place = all * fract((float(sample_) + 0.5) * 0.61803399);
+  const float place = all * fract((float(beam) + 0.5) * 0.61803399);
   return (own == 0 || place >= before) && (own + 1 == of.y || place < before + starts[of.x + own].area);
 }
 
-void light_side(uint index, int s) {
-  const uint at = 2 * index + s;
-  const GpuFacet side = cut_cells[index].side[s];
+// The samples that go as one beam.
+struct Bundle {
+  vec3 flux;     // W/m^2, of all
+  vec3 way;      // towards them: the mean of a lamp's, of surfaces the brightest
+  float cosine;  // mean
+  float most;    // light of the brightest
+};
+
+void add_to(inout Bundle b, Arrival light, bool lamp) {
+  const float bright = light.flux.r + light.flux.g + light.flux.b;
+  b.flux += light.flux;
+  b.cosine += bright * light.cosine;
+  if (lamp || bright > b.most) b.way = (lamp ? b.way : vec3(0)) + bright * light.towards;
+  b.most = max(b.most, bright);
+}
+
+// Along its way, with its cosine.
+Arrival arrival_of(Bundle b, vec3 normal, bool lamp) {
+  const float all = b.flux.r + b.flux.g + b.flux.b, size = length(b.way);
+  Arrival light = Arrival(b.way / max(size, 1e-30), b.cosine / max(all, 1e-30), b.flux);
+  const float here = dot(normal, light.towards);
+  if (lamp || size <= 0) {
+    light.cosine = here;
+  } else {
+    const vec3 aside = light.towards - here * normal;
+    light.towards = light.cosine * normal + sqrt(max(0, 1 - light.cosine * light.cosine)) / max(length(aside), 1e-6) * aside;
+  }
+  return light;
+}
+
+void light_side(uint at) {
+  const uint index = at / 2;
+  const GpuFacet side = cut_cells[index].side[at % 2];
   const uvec2 of = starts_of[at];
-  if (push.round >= of.y) return;
   const BeamStart start = starts[of.x + push.round];
   const Receiver around = receivers[at],
                  receiver = Receiver(push.origin + push.h * start.position, start.normal, start.slack);
@@ -269,17 +299,21 @@ void light_side(uint index, int s) {
   vec3 all = vec3(0);
   near_sum = boundary_sum = leaving_sum = vec3(0);
   near_cosine = 0;
-  for (uint i = push.first; i < min(push.end, arrivals()); ++i) {
-    const bool lamp = i < lighting.points;
-    if (!lamp && !starts_here(i, of, push.round)) continue;
-    Arrival light = lamp ? point_arrival(points[i], receiver, push.eta) : arrival(i, around, push.eta, sky);
+  const bool lamp = push.first < lighting.points;  // no part has both
+  const uint end = min(push.end, arrivals());
+  for (uint i = push.first; i < end; i += push.group) {
+    Bundle bundle = Bundle(vec3(0), vec3(0), 0, 0);
+    if (lamp || starts_here((i - lighting.points) / push.group, of, push.round))
+      for (uint k = i; k < min(i + push.group, end); ++k)
+        add_to(bundle, lamp ? point_arrival(points[k], receiver, push.eta) : arrival(k, around, push.eta, sky), lamp);
+    f.normal = lamp ? receiver.normal : around.normal;
+    Arrival light = arrival_of(bundle, f.normal, lamp);
     light.flux *= lamp ? start.area / side.area : 1;
     all += light.flux;
     uvec3 units = uvec3(0);
     for (int c = 0; c < push.channels; ++c)
       if (push.unit[c] > 0) units[c] = uint(min(floor(light.flux[c] * area / push.unit[c] + 0.5), BEAM_MOST_UNITS));
     if (units == uvec3(0)) continue;
-    f.normal = lamp ? receiver.normal : around.normal;
     f.near = near_of(side, f.origin, f.normal);
     f.mu = max(refracted_cosine(light.cosine, push.eta), 1e-4);
     totals[BEAM_ENTERED] += units;
@@ -300,11 +334,7 @@ void light_side(uint index, int s) {
 }
 
 void main() {
-  const uint index = gl_GlobalInvocationID.x;
-  if (index >= push.count) return;
+  if (gl_GlobalInvocationID.x >= push.listed) return;
   for (int k = 0; k < BEAM_COUNTERS; ++k) totals[k] = uvec3(0);
-  // Most cells have one side: the lanes of a CPU march together then.
-  const int first = index == 0 || starts_of[2 * index].y > 0 ? 0 : 1;
-  if (starts_of[2 * index + first].y > 0) light_side(index, first);
-  if (first == 0 && starts_of[2 * index + 1].y > 0) light_side(index, 1);
+  light_side(sides[push.listed_first + gl_GlobalInvocationID.x]);
 }

@@ -19,6 +19,18 @@ float look_up(uint map, vec3 position, vec3 normal, float slack, out bool inside
   return texture(shadow_maps, vec4(0.5 * p.xy + 0.5, map, p.z));
 }
 
+// By the first of a sample's maps that holds the point.
+float lit_share(LightPoint light, vec3 position, vec3 normal, float slack) {
+  float lit = 1;
+  bool inside = light.views == 0;
+  uint v = 0;
+  do {  // not `for`: lavapipe would run the loop once more than there are maps
+    const float found = look_up(min(light.first_view + v, most_shadow_views - 1), position, normal, slack, inside);
+    lit = v < light.views ? found : lit;
+  } while (++v < light.views && !inside);
+  return lit;
+}
+
 // Unit direction from `position` to a sample; `distance2` is what its intensity falls with, m^2, or 1.
 vec3 way_to(LightPoint light, vec3 position, out float distance2) {
   distance2 = 1;
@@ -52,14 +64,9 @@ vec3 gather_points(vec3 position, vec3 normal, float slack, float eta, uint firs
   vec3 sum = vec3(0);
   for (uint i = first; i < lighting.points; i += stride) {
     const LightPoint light = points[i];
-    float cos_middle, lit = 1;
+    float cos_middle;
     const vec3 arriving = unshadowed(light, position, normal, eta, cos_middle);
-    for (uint v = 0; v < light.views && cos_middle > 0; ++v) {
-      bool inside;
-      lit = look_up(light.first_view + v, position, normal, slack, inside);
-      if (inside) break;
-    }
-    sum += lit * arriving;
+    sum += (cos_middle > 0 ? lit_share(light, position, normal, slack) : 1) * arriving;
   }
   return sum;
 }

@@ -36,9 +36,8 @@ vec3 bracket_at(vec3 p, bool down) {
 // Between the two sheets of a thin part phi is that of the nearer one.
 bool side_at(vec3 p, ivec3 cell, bool down) {
   const uint index = imageLoad(cut_index, cell).r;
-  if (index == 0) return down;
+  if (index == 0 || cut_cells[index].side[0].area <= 0 || cut_cells[index].side[1].area <= 0) return down;
   const GpuFacet up = cut_cells[index].side[0], other = cut_cells[index].side[1];
-  if (up.area <= 0 || other.area <= 0) return down;
   const vec3 at = p - vec3(cell);
   const float to_up = abs(dot(normalize(up.area_vector), at - up.centre)),
               to_down = abs(dot(normalize(other.area_vector), at - other.centre));
@@ -55,6 +54,7 @@ vec2 closure_of(float albedo) {
 // 4 pi times radiance, W/m^2: all that arrives, and of it what was scattered once (sigma_s' phi_b).
 struct Gathered {
   vec3 all, single;
+  bool open;  // light goes through straight
 };
 
 // How deep the near light of a facet reaches, h (lighting/beam_march.comp).
@@ -78,19 +78,29 @@ void add_near(vec3 p, vec3 normal, Solid s, float view, vec3 tau, bool behind, i
   }
 }
 
-// What arrives at `from` (h, from the grid's corner), on the surface with this normal, along -`along` (unit, inwards).
-Gathered gather_along(vec3 from, vec3 normal, vec3 along) {
+// What arrives at `from` (h, from the grid's corner), on the surface with this normal, along -`along` (unit, inwards). Beyond what
+// is gathered the way is followed to an optical depth of `follow`, to see whether it is open.
+Gathered gather_along(vec3 from, vec3 normal, vec3 along, float follow) {
   const bool down = (facet_class(normal) & 1) == 1;
   Way w = way_from(from, along, ivec3(floor(from - 1e-3 * normal)));
-  Gathered sum = Gathered(vec3(0), vec3(0));
+  Gathered sum = Gathered(vec3(0), vec3(0), true);
   Solid first = Solid(false, vec3(0), vec3(0));
   vec3 left = vec3(1), tau = vec3(1e3);
-  bool inside = false;
+  bool inside = false, deep = false;
   const int most_steps = grid.cells.x + grid.cells.y + grid.cells.z;
-  const End out_ = mesh_end(from, along);
+  // The mesh is searched as far as the way is likely to go, and then as far again.
+  const float reach = likely_reach(w, max(1.5 * GATHER_DEEP, 1.1 * follow));
+  float searched = 0;
+  End out_ = End(nowhere, along);
   // Cells without solid on the way are slivers that were left out: like the cell before.
   Solid s = Solid(false, vec3(0), vec3(0));
-  for (int n = 0; n < most_steps && w.at < out_.at; ++n) {
+  for (int n = 0; n < most_steps; ++n) {
+    if (cell_end(w) > searched && out_.at == nowhere) {
+      const float near = searched;
+      searched = cell_end(w) + reach;
+      out_ = mesh_end(from, along, near, searched);
+    }
+    if (w.at >= out_.at) break;
     const Solid here = solid_at(w.cell);
     if (here.there) {
       s = here;
@@ -105,6 +115,13 @@ Gathered gather_along(vec3 from, vec3 normal, vec3 along) {
     inside = true;
     const float end = min(out_.at, cell_end(w)), length_ = end - w.at;
     const vec3 depth = s.sigma_t * length_, lost = left * (1 - exp(-depth));
+    if (deep) {
+      left -= lost;
+      sum.open = max(left.x, max(left.y, left.z)) * exp(follow) >= 1;
+      if (!sum.open || end == out_.at) break;
+      step_on(w);
+      continue;
+    }
     for (int c = 0; c < 3; ++c) {
       if (c > 0 && grid.channels == 1) break;
       const vec3 p = w.from + (w.at + length_ * loss_place(depth[c])) * along;
@@ -114,11 +131,11 @@ Gathered gather_along(vec3 from, vec3 normal, vec3 along) {
     }
     left -= lost;
     const vec3 at_end = w.from + end * along;
-    if (min(left.x, min(left.y, left.z)) * exp(GATHER_DEEP) < 1 && max(left.x, max(left.y, left.z)) * exp(GATHER_DEEP) < 1) {
+    deep = max(left.x, max(left.y, left.z)) * exp(GATHER_DEEP) < 1;
+    if (deep) {
       sum.all += left * s.albedo * field(at_end, down);
-      break;
-    }
-    if (end == out_.at) {
+      if (end == out_.at || follow <= GATHER_DEEP) break;
+    } else if (end == out_.at) {
       const float cosine = max(dot(out_.normal, along), 1e-3), mirrored = fresnel_reflectance(cosine, 1 / grid.eta);
       tau = -log(max(left, vec3(1e-30)));
       add_near(at_end, out_.normal, s, cosine, tau, true, sum);
@@ -128,7 +145,7 @@ Gathered gather_along(vec3 from, vec3 normal, vec3 along) {
     step_on(w);
   }
   if (inside) add_near(from, normal, first, max(-dot(normal, along), 1e-3), tau, false, sum);  // edge-on rounding may turn it
-  if (grid.channels == 1) sum = Gathered(sum.all.rrr, sum.single.rrr);
+  if (grid.channels == 1) sum = Gathered(sum.all.rrr, sum.single.rrr, sum.open);
   return sum;
 }
 

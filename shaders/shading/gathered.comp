@@ -1,4 +1,5 @@
-// Adds what leaves one translucent object by the gather along each refracted view ray, times the object's level.
+// Adds what leaves one translucent object by the gather along each refracted view ray, times the object's level. Lists the pixels
+// where light goes through straight.
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
@@ -7,6 +8,7 @@
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(push_constant, scalar) uniform Push { TranslucentPush push; };
 layout(binding = 13, scalar) readonly buffer Level { vec3 level; };
+layout(binding = 14, scalar) buffer OpenPixels { uint open_groups[3], open_count, open_pixels[]; };
 layout(binding = 15, rgba32f) uniform image2D single;
 void main() {
   const uvec2 pixel = push.corner + gl_GlobalInvocationID.xy;
@@ -17,16 +19,25 @@ void main() {
     if (sample_id(push.camera, pixel, s) - 1 - push.first < push.count) todo |= 1u << s;
   if (todo == 0) return;
   vec3 sum = vec3(0), once = vec3(0);
-  while (todo != 0) {
-    const Hit hit = next_hit(push.camera, pixel, todo);
-    const vec3 at = (hit.position - grid.origin) / grid.h;
-    const float cosine = clamp(dot(hit.normal, hit.to_eye), 0.001, 1);
-    const Gathered inside = gather_along(at, hit.normal, refracted_inwards(hit.to_eye, hit.normal, cosine));
-    const float scale = fresnel_transmittance(cosine, grid.eta) / (4 * 3.14159265358979 * grid.eta * grid.eta);
-    once += hit.weight * scale * inside.single;
-    sum += hit.weight * scale * (level * inside.all - inside.single);
-  }
+  bool open = false;
+  do if (todo != 0) {
+      const Hit hit = next_patch(push.camera, pixel, 0.3 * grid.h, todo);
+      const vec3 at = (hit.position - grid.origin) / grid.h;
+      const float cosine = clamp(dot(hit.normal, hit.to_eye), 0.001, 1);
+      const vec3 inwards = refracted_inwards(hit.to_eye, hit.normal, cosine);
+      const Gathered inside = gather_along(at, hit.normal, inwards, -log(STRAIGHT_LEAST_SHARE));
+      const float scale = fresnel_transmittance(cosine, grid.eta) / (4 * 3.14159265358979 * grid.eta * grid.eta);
+      once += hit.weight * scale * inside.single;
+      sum += hit.weight * scale * (level * inside.all - inside.single);
+      open = open || inside.open;
+    }
+  while (todo != 0);
   const ivec2 at = ivec2(pixel);
   imageStore(multiple, at, imageLoad(multiple, at) + vec4(sum, 0));
   imageStore(single, at, imageLoad(single, at) + vec4(once, 0));
+  if (!open) return;
+  const uint slot = atomicAdd(open_count, 1);
+  open_pixels[slot] = pixel.y * push.camera.size.x + pixel.x;
+  atomicMax(open_groups[0], slot / OPEN_GROUP + 1);
+  open_groups[1] = open_groups[2] = 1;
 }

@@ -20,7 +20,7 @@ Mirrored mirrored(Hit hit, uint sample_, vec3 turn, LightShare lights) {
   // Edge-on, by the raster's rounding: it mirrors all, and nothing bends.
   if (o.z <= 0) return Mirrored(environment_radiance(-hit.to_eye, push.environment_turn), vec3(0));
   const float reflectance = fresnel_reflectance(o.z, object.eta);
-  if (object.alpha == 0) {
+  if (rough == 0 || object.alpha == 0) {
     const vec3 towards = -reflect(hit.to_eye, hit.normal);
     return follow(Leaving(hit.position, towards, reflectance, 0), lights, push.orders, turn);
   }
@@ -64,10 +64,12 @@ void main() {
   if (todo == 0) return;
 
   Mirrored sum = Mirrored(vec3(0), vec3(0));
-  for (; todo != 0; todo &= todo - 1) {
-    const uint s = uint(findLSB(todo));
-    sum = add(sum, mirrored(sample_hit(push.camera, pixel, s), s, turn_of(pixel), asked_of(s, samples)), 1);
-  }
+  do if (todo != 0) {
+      const uint s = uint(findLSB(todo));
+      sum = add(sum, mirrored(sample_hit(push.camera, pixel, s), s, turn_of(pixel), asked_of(s, samples)), 1);
+      todo &= todo - 1;
+    }
+  while (todo != 0);
   const ivec2 at = ivec2(pixel);
   const float share = 1 / float(samples);
   imageStore(multiple, at, imageLoad(multiple, at) + vec4(share * sum.multiple, 0));

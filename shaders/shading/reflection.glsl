@@ -5,6 +5,9 @@
 #include "shared/rough.h"
 #include "lighting/environment.glsl"
 
+// Lavapipe runs what a scene has no use for, too, unless it is left out.
+layout(constant_id = 1) const int rough = 1;  // 0: no object of the scene is
+layout(constant_id = 2) const int sky = 1;    // 0: its environment has no uniform part
 layout(binding = 13, scalar) readonly buffer Objects { MirroredObject objects[]; };
 layout(binding = 14) uniform sampler3D glow;                               // of all objects, glow.comp
 layout(binding = 17, scalar) readonly buffer Emitters { Emitter emitters[]; };
@@ -108,8 +111,9 @@ LightShare asked_of(uint sample_, uint samples) {
   return LightShare(sample_ % stride, stride);
 }
 vec3 irradiance(vec3 position, vec3 normal, LightShare lights) {
-  return lights.stride * gather_points(position, normal, 0, 1, lights.first, lights.stride) +
-         lighting.environment * (3.14159265358979 * environment_openness(position, normal, 0, 1));
+  const vec3 sum = lights.stride * gather_points(position, normal, 0, 1, lights.first, lights.stride);
+  if (sky == 0) return sum;
+  return sum + lighting.environment * (3.14159265358979 * environment_openness(position, normal, 0, 1));
 }
 
 // A ray that leaves a surface with `throughput`; `density`, 1/sr, is that of its direction where lights are looked for,
@@ -156,7 +160,7 @@ Mirrored follow(Leaving leaving, LightShare lights, uint orders, vec3 random) {
     const float reflectance = fresnel_reflectance(towards, object.eta);
     sum.multiple += throughput * (1 - reflectance) * glow_of(object, position, normal);
     throughput *= reflectance;
-    if (object.alpha == 0) {
+    if (rough == 0 || object.alpha == 0) {
       direction = reflect(direction, normal);
     } else {
       const Frame frame = frame_of(normal);

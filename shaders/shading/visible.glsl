@@ -12,6 +12,8 @@ layout(binding = 8, rgba32f) uniform image2D fluence;   // rgb, distance
 layout(binding = 9, rgba32f) uniform image2D gamma_s;   // rgb, share that sees anything
 layout(binding = 10, rgba32f) uniform image2D normals;  // xyz
 
+// Loops over what a pixel sees are written `do if (todo != 0) {..} while (todo != 0)`. Lavapipe runs a `while` once more than it
+// turns; and what a turn computes it keeps for lanes that have ended only where it stands under an `if` of its own.
 struct Hit {
   uint triangle;
   float weight;  // share of the pixel
@@ -77,4 +79,28 @@ Hit next_hit(CameraRays camera, uvec2 pixel, inout uint todo) {
 Hit sample_hit(CameraRays camera, uvec2 pixel, uint s) {
   const vec2 place = (vec2(s % camera.edge, s / camera.edge) + 0.5) / float(camera.edge);
   return hit_at(camera, sample_id(camera, pixel, s) - 1, vec2(pixel) + place);
+}
+
+// The first sample of `todo` and all whose triangles face its way (to 15 degrees) and lie `near`, m, as one, with their mean normal;
+// takes them off `todo`. For what changes smoothly with both.
+Hit next_patch(CameraRays camera, uvec2 pixel, float near, inout uint todo) {
+  Hit patch_ = sample_hit(camera, pixel, uint(findLSB(todo)));
+  vec3 position = vec3(0), normal = vec3(0);
+  float number = 0;
+  for (uint left = todo; left != 0; left &= left - 1) {
+    const uint s = uint(findLSB(left));
+    const Hit hit = sample_hit(camera, pixel, s);
+    if (dot(hit.normal, patch_.normal) < 0.985 || distance(hit.position, patch_.position) > near) continue;
+    todo &= ~(1u << s);
+    position += hit.position;
+    normal += hit.normal;
+    number += 1;
+  }
+  patch_.weight = number / float(camera.edge * camera.edge);
+  patch_.position = position / number;
+  patch_.normal = normalize(normal);
+  const vec3 to_eye = camera.eye - patch_.position;
+  patch_.distance = length(to_eye);
+  patch_.to_eye = to_eye / patch_.distance;
+  return patch_;
 }

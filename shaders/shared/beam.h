@@ -17,6 +17,8 @@ ALABASTER_BEGIN_SHARED
 // A beam with less than 1 / this of its units left in every channel is laid down where it is (7 mean free paths).
 #define BEAM_LEAST_SHARE 1024u
 #define BEAM_MOST_REFLECTIONS 4
+// Directions in which a facet sees other surfaces that go as one beam: those that follow each other have cosines that are alike.
+#define BEAM_SURFACE_GROUP 3
 // Places of the mesh in one facet that beams start from.
 #define BEAM_MOST_STARTS 4
 
@@ -47,7 +49,9 @@ struct BeamPush {
   vec3 unit;         // W; 0: no light in the channel
   SkyLinks sky;
   uint first, end;   // of the samples: a part of them at a time, the end is past the last
+  uint group;        // so many samples go as one beam
   uint round;        // which start of each facet
+  uint listed_first, listed;  // of the list of sides: those that have such a start
 };
 
 // Mean of t over [0, 1] weighted with exp(-x t): where in a segment of optical depth x a beam is lost.

@@ -21,6 +21,8 @@ const uint link_emitters = 0xfffffeu;
 // those in k + 1: all of a facet's places together have asked all.
 const uint most_light_shares = 4;
 
+const uint link_bins = 54;  // parts of the sphere that rays are put in order by
+
 struct LinkPush {
   uint sides;       // ExchangeSide
   uint directions;

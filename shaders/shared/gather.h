@@ -11,6 +11,11 @@ ALABASTER_BEGIN_SHARED
 // Optical depth at which a ray is deep enough.
 #define GATHER_DEEP 5.0
 
+// Of the light behind an object, what is worth a ray through it.
+#define STRAIGHT_LEAST_SHARE 1e-4
+// Threads of a workgroup that takes pixels off the list of those where there is such light.
+#define OPEN_GROUP 64u
+
 // Sides of facets, at most, that are asked what the gather sends out there.
 #define GATHER_ASKED 8192
 // Entries of the closure's table, to this 1 - a' at most.

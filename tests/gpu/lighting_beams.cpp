@@ -3,6 +3,7 @@
 // over the samples.
 #include <cmath>
 
+#include "lighting/beam_groups.h"
 #include "lighting/beam_source.h"
 #include "lighting/facet_source.h"
 #include "support/beam_twin.h"
@@ -27,8 +28,8 @@ class LightingBeams : public GpuTest {
     glm::dvec3 unit{0};
   };
 
-  Marched march(const Scene& scene, Body& body, int channels, double eta) {
-    const LitScene lit(context, scene, {1, 16, 512});
+  Marched march(const Scene& scene, Body& body, int channels, double eta, int samples = 1) {
+    const LitScene lit(context, scene, {samples, 16, 512});
     BeamSource beam(context, body.domain(), facet_starts(body.domain().frame, body.cut_cells()), channels);
     const Diffusion& d = body.diffusion();
     gpu::Commands commands(context);
@@ -189,6 +190,64 @@ TEST_F(LightingBeams, MarchEqualsTwin) {
   }
   std::printf("through: off by %.1e of all\n", off / all);
   EXPECT_LT(off, 5e-3 * all);
+}
+
+// Samples of a lamp that lie together go as one beam: it is laid down as those of as many lamps are, each a sample's
+// light from its place.
+TEST_F(LightingBeams, OneBeamForSamplesThatLieTogether) {
+  const Mesh mesh = torus(1, 0.4f, 48, 24);
+  Scene together, apart;
+  together.objects = {
+      make_object(Role::translucent, mesh),
+      make_light(transformed(quad(1, 1), translation({0.3, 3, 0.2}) * rotation({1, 0, 0}, 180)), {300, 200, 100})};
+  together.objects[0].eta = 1.4;
+  apart.objects = {together.objects[0]};
+  const LightSamples lights = sample_lights(together, 16);
+  for (const LightSample& sample : lights.area)
+    apart.objects.push_back(
+        make_light(transformed(quad(1e-3f, 1e-3f), translation(sample.position) * rotation({1, 0, 0}, 180)),
+                   sample.intensity / 1e-6f));
+  Body body(
+      context, mesh, 20,
+      [](glm::dvec3 p) {
+        const glm::dvec3 dense = glm::dvec3(2, 6, 15) * (p.x > 0 ? 3.0 : 1.0);
+        return MediumPoint{0.9 * dense, 0.1 * dense};
+      },
+      3, 1.4);
+  const GridFrame& frame = body.domain().frame;
+  EXPECT_LE(beam_groups(lights, frame).size(), 8u);
+  EXPECT_EQ(beam_groups(sample_lights(apart, 16), frame).size(), 16u);
+  const Marched few = march(together, body, 3, 1.4, 16), many = march(apart, body, 3, 1.4, 16);
+  const auto difference = [](const auto& a, const auto& b) {
+    double apart_by = 0, all = 0;
+    for (std::size_t i = 0; i < a.size(); ++i) {
+      apart_by += std::pow(glm::length(a[i] - b[i]), 2);
+      all += std::pow(glm::length(b[i]), 2);
+    }
+    return std::sqrt(apart_by / all);
+  };
+  // Each cell with its neighbours, as what is scattered there counts: a beam meets single cells by chance.
+  const auto in_eights = [&](const std::vector<float>& power) {
+    const glm::ivec3 n = frame.cells;
+    std::vector<float> sums(power.size());
+    for (int i = 0; i < int(power.size()); ++i) {
+      const glm::ivec3 cell(i % n.x, i / n.x % n.y, i / (n.x * n.y));
+      sums[std::size_t((cell.z / 2 * n.y + cell.y / 2) * n.x + cell.x / 2)] += power[std::size_t(i)];
+    }
+    return sums;
+  };
+  const double in_cells = difference(in_eights(few.power), in_eights(many.power)),
+               on_facets = difference(few.gamma_s, many.gamma_s);
+  std::printf("apart by %.4f in the cells, %.4f on the facets\n", in_cells, on_facets);
+  EXPECT_LT(in_cells, 0.05);
+  EXPECT_LT(on_facets, 0.01);
+  for (int c = 0; c < 3; ++c) {
+    const double entered = many.totals.entered[c];
+    EXPECT_NEAR(few.totals.entered[c], entered, 1e-4 * entered);
+    EXPECT_NEAR(few.totals.near[c], many.totals.near[c], 1e-3 * entered);
+    EXPECT_NEAR(few.totals.absorbed[c], many.totals.absorbed[c], 1e-3 * entered);
+    EXPECT_NEAR(few.totals.through[c], many.totals.through[c], 1e-3 * entered);
+  }
 }
 
 // Long ways of many samples: nothing is cut short (shared/beam.h, BEAM_MOST_TURNS).

@@ -1,6 +1,7 @@
 // Light samples: power is shared out, nothing is lost, points are spread evenly; and where shadow maps look.
 #include <gtest/gtest.h>
 
+#include "lighting/beam_groups.h"
 #include "lighting/shadow_views.h"
 #include "scene/error.h"
 #include "scene/shapes.h"
@@ -62,6 +63,32 @@ TEST(LightSamples, CoverTheAreaEvenly) {
     for (int j = 0; j < 4; ++j) EXPECT_NEAR(cells[i][j], n / 16, 2) << i << " " << j;
   const LightSamples again = sample_lights(scene, n);
   for (int i = 0; i < n; ++i) EXPECT_EQ(lights.area[i].position, again.area[i].position);
+}
+
+// A part of a far lamp is one beam, of a near one none but single samples are.
+TEST(LightSamples, BeamsTakeSamplesThatLieTogether) {
+  const GridFrame frame = choose_frame({{-1, -1, -1}, {1, 1, 1}}, 16);
+  for (double away : {1.5, 5.0, 30.0, 300.0}) {
+    Scene scene;
+    scene.objects = {light(transformed(quad(2, 3), translation({0, away, 0})), {3, 2, 1}),
+                     light(transformed(quad(1, 1), translation({away, 0, 0})), {1, 1, 1})};
+    const LightSamples lights = sample_lights(scene, 64);
+    const std::vector<std::uint32_t> groups = beam_groups(lights, frame);
+    std::size_t at = 0;
+    for (std::uint32_t group : groups) {
+      glm::dvec3 middle(0);
+      for (std::size_t i = at; i < at + group; ++i) middle += glm::dvec3(lights.area[i].position) / double(group);
+      for (std::size_t i = at; i < at + group; ++i) {
+        EXPECT_EQ(lights.area[i].object, lights.area[at].object);
+        EXPECT_LE(glm::distance(glm::dvec3(lights.area[i].position), middle), 0.15 * (away - 1));
+      }
+      at += group;
+    }
+    EXPECT_EQ(at, lights.area.size());
+    EXPECT_EQ(groups.size() == 64, away == 1.5);
+    EXPECT_EQ(groups.size() == 2, away >= 30);
+    std::printf("%.1f away: %zu beams\n", away, groups.size());
+  }
 }
 
 TEST(LightSamples, DirectionsAreEven) {
