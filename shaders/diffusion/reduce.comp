@@ -13,7 +13,7 @@ layout(binding = 1, scalar) buffer Scalars { CgScalars scalars[]; };
 shared float sums[64];  // of the subgroups
 
 void advance(inout CgScalars s, float sum) {
-  float goal = s.tolerance * s.tolerance * s.bb;
+  float square = s.tolerance * s.tolerance;
   bool broken = !(sum >= 0) || isinf(sum);
   if (push.mode == DIFFUSION_REDUCE_START) {
     s.bb = sum;
@@ -21,18 +21,22 @@ void advance(inout CgScalars s, float sum) {
   } else if (push.mode == DIFFUSION_REDUCE_TRUE) {
     s.true_rr = s.rr = sum;
     s.rho = 0;
-    s.done = s.bb <= 0 || sum <= goal ? 1 : 0;
+    s.done = s.bb <= 0 || (sum <= square * s.bb && s.scaled_rr <= square * s.xx) ? 1 : 0;
   } else if (push.mode == DIFFUSION_REDUCE_BETA) {
     s.beta = s.done == 0 && s.rho > 0 ? sum / s.rho : 0;
     s.rho = sum;
   } else if (push.mode == DIFFUSION_REDUCE_ALPHA) {
     s.alpha = s.done == 0 && sum > 0 ? s.rho / sum : 0;
     broken = broken || sum == 0;
+  } else if (push.mode == DIFFUSION_REDUCE_SCALED) {
+    s.scaled_rr = sum;
+  } else if (push.mode == DIFFUSION_REDUCE_SIZE) {
+    s.xx = sum;
   } else {
     s.rr = sum;
     if (s.done == 0) {
       s.iterations += 1;
-      if (sum <= goal) s.done = 1;
+      if (sum <= s.target * s.target * s.bb) s.done = 1;
     }
   }
   if (broken && s.done == 0) {
@@ -44,7 +48,7 @@ void advance(inout CgScalars s, float sum) {
 void main() {
   uint channel = gl_WorkGroupID.x, lane = gl_LocalInvocationID.x;
   float sum = 0;
-  for (uint i = lane; i < push.partials; i += 64) sum += partials[channel * push.partials + i];
+  for (uint i = lane; i < push.partials; i += 64) sum += partials[push.first + channel * push.partials + i];
   sum = subgroupAdd(sum);
   if (subgroupElect()) sums[gl_SubgroupID] = sum;
   barrier();
