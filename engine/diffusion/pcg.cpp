@@ -183,7 +183,8 @@ SolverStatus Pcg::solve(double tolerance, Check check) {
       status.converged = false;
       stalled = stalled && !(larger < 0.5 * last[c]);
       last[c] = larger;
-      if (relative <= tolerance) device[c].target = static_cast<float>(0.5 * relative * tolerance / scaled);
+      if (relative <= tolerance)
+        device[c].target = static_cast<float>(0.5 * relative * DIFFUSION_SCALED * tolerance / scaled);
     }
     if (status.converged) return status;
     const double noise = multigrid_.deflation().noise();

@@ -21,7 +21,7 @@ void advance(inout CgScalars s, float sum) {
   } else if (push.mode == DIFFUSION_REDUCE_TRUE) {
     s.true_rr = s.rr = sum;
     s.rho = 0;
-    s.done = s.bb <= 0 || (sum <= square * s.bb && s.scaled_rr <= square * s.xx) ? 1 : 0;
+    s.done = s.bb <= 0 || (sum <= square * s.bb && s.scaled_rr <= DIFFUSION_SCALED * DIFFUSION_SCALED * square * s.xx) ? 1 : 0;
   } else if (push.mode == DIFFUSION_REDUCE_BETA) {
     s.beta = s.done == 0 && s.rho > 0 ? sum / s.rho : 0;
     s.rho = sum;

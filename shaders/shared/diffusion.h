@@ -54,6 +54,8 @@
 #define DIFFUSION_REDUCE_TRUE 4
 #define DIFFUSION_REDUCE_SCALED 5
 #define DIFFUSION_REDUCE_SIZE 6
+// The scaled residual |D^-1 r| / |x| may be as many times the tolerance; the fluence's error is some 40 times it.
+#define DIFFUSION_SCALED 3.0f
 
 ALABASTER_BEGIN_SHARED
 
@@ -118,6 +120,14 @@ struct FacetMedium {
   vec3 kappa;              // m
   vec3 reduced_intensity;  // exp(-sigma_a / sigma_s')
   vec3 sigma_a;            // 1/m
+};
+
+// A cell near the surface, and which cut cells are around it: near_surface.h.
+struct NearCell {
+  uint cell;         // x | y << 10 | z << 20
+  uint begin, end;   // of its neighbours
+  float alike;       // how far the two sides of the surface around it face the same way, 0 to 1
+  float alike_here;  // the same of the surface in the cell itself
 };
 
 // Unit of a channel's fluence inside the solver.

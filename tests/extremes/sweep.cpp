@@ -26,7 +26,7 @@ struct Case {
   float gamma_s = 1;         // W/m^2
   bool one_facet = false;    // lit
   bool may_give_up = false;  // beyond what is supported: an honest status will do
-  double agreement = 1e-4;   // with the twin, of the largest fluence
+  double agreement = 2e-4;   // with the twin, of the largest fluence
 };
 
 /// sigma in 1/m; objects are about 1 m across.
