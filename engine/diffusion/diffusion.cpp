@@ -9,6 +9,8 @@
 namespace alabaster {
 namespace {
 
+constexpr double nearly_right = 0.03, well_begun = 3e-3;  // relative residuals
+
 struct EnergyPush {
   SurfacePush surface;
   int partials_per_channel;
@@ -130,6 +132,9 @@ void Diffusion::finish() {
 
 void Diffusion::forget() {
   pcg_.clear_solution();
+  gpu::Commands commands(context_);
+  commands.fill(scales_);  // no unit of before: its corrections are none for the next solve
+  commands.submit();
   if (history_) history_->forget();
 }
 
@@ -243,12 +248,11 @@ bool Diffusion::adopt_light(const FacetLight& light) {
 }
 
 // The corrections converge about as fast as the solver does, so the early solves need no more digits than they bring.
-// With the corrections of a solution of before one pass less makes up for as much.
+// Those of a solution that was nearly right are worth a pass.
 SolverStatus Diffusion::solve(const FacetLight& light) {
   SolverStatus status;
-  int iterations = 0;
+  int iterations = 0, last = options_.corrections;
   const bool warm = adopt_light(light);
-  const int last = warm ? std::min(1, options_.corrections) : options_.corrections;
   for (int pass = 0; pass <= last; ++pass) {
     gpu::Commands commands(context_);
     if (pass == 0) record_rescale(commands);
@@ -256,10 +260,11 @@ SolverStatus Diffusion::solve(const FacetLight& light) {
     record_source(commands, light, options_.corrections > 0 && (pass > 0 || warm));
     commands.submit();
     if (history_ && pass == 0) history_->guess();
-    const double reached = pass == last ? 0.0 : warm ? 3e-3 : std::pow(10.0, -2 - pass);
-    status = pcg_.solve(std::max(options_.tolerance, reached),
+    const double reached = warm && pass == 0 ? well_begun : std::pow(10.0, -2 - pass);
+    status = pcg_.solve(std::max(options_.tolerance, pass == last ? 0 : reached),
                         pass == last ? Pcg::Check::true_residual : Pcg::Check::recurrence);
     iterations += status.iterations;
+    if (warm && pass == 0 && status.began_at <= nearly_right) last = std::min(last, 1);
   }
   status.iterations = iterations;
   if (history_ && status.converged) history_->add();

@@ -179,6 +179,7 @@ SolverStatus Pcg::solve(double tolerance, Check check) {
                    larger = std::max(relative, scaled);
       status.relative_residual[c] = relative;
       status.scaled_residual[c] = scaled;
+      if (status.iterations == 0) status.began_at = std::max(status.began_at, relative);
       if (checked[c].done == 1) continue;
       status.converged = false;
       stalled = stalled && !(larger < 0.5 * last[c]);

@@ -28,6 +28,7 @@ struct SolverStatus {
   int iterations = 0;                 // of the slowest channel
   double relative_residual[3] = {0};  // true: |b - A x| / |b|, 0 where b = 0
   double scaled_residual[3] = {0};    // true: |D^-1 (b - A x)| / |x|, 0 where b = 0
+  double began_at = 0;                // the first relative residual, of the worst channel
   std::string reason;                 // when not converged: one line, with the remedy
 };
 
