@@ -8,7 +8,7 @@
 #extension GL_KHR_shader_subgroup_arithmetic : require
 layout(local_size_x = 64) in;
 layout(push_constant, scalar) uniform PushBlock { ReducePush push; };
-layout(binding = 0, scalar) readonly buffer Partials { float partials[]; };
+layout(binding = 0, scalar) readonly buffer Partials { vec4 partials[]; };
 layout(binding = 1, scalar) buffer Scalars { CgScalars scalars[]; };
 shared float sums[64];  // of the subgroups
 
@@ -47,9 +47,10 @@ void advance(inout CgScalars s, float sum) {
 
 void main() {
   uint channel = gl_WorkGroupID.x, lane = gl_LocalInvocationID.x;
-  float sum = 0;
-  for (uint i = lane; i < push.partials; i += 64) sum += partials[push.first + channel * push.partials + i];
-  sum = subgroupAdd(sum);
+  uint count = push.partials / 4, begin = push.first / 4 + channel * count;  // a workgroup leaves a multiple of four
+  vec4 four = vec4(0);
+  for (uint i = lane; i < count; i += 64) four += partials[begin + i];
+  float sum = subgroupAdd(four.x + four.y + four.z + four.w);
   if (subgroupElect()) sums[gl_SubgroupID] = sum;
   barrier();
   if (lane == 0) {

@@ -143,7 +143,11 @@ TEST_F(GpuDiffusionVectors, DirectIsTheProductWithTheInverse) {
   std::mt19937 engine(3);
   std::uniform_real_distribution<float> uniform(-1, 1);
   std::vector<float> inverse(std::size_t(2) * count * count);
-  for (float& v : inverse) v = uniform(engine);
+  for (int c = 0; c < 2; ++c)
+    for (int row = 0; row < count; ++row)
+      for (int k = 0; k <= row; ++k)
+        inverse[(std::size_t(c) * count + row) * count + k] = inverse[(std::size_t(c) * count + k) * count + row] =
+            uniform(engine);
   const std::vector<twin::Vector> b = random(l, 6);
   const gpu::Image on_b = image(l, b), x = image(l, b);
   const gpu::Buffer on_inverse = gpu::make_buffer(context, inverse, "inverse");
