@@ -1,12 +1,11 @@
-// x = A^-1 b on the coarsest level, by the inverse that the CPU made of it. Rows and columns run over whole texels. The
-// inverse is symmetric and read by columns: neighbouring invocations, which have neighbouring rows, read side by side.
+// x = A^-1 b on the coarsest level, by the inverse that the CPU made of it. Rows and columns run over whole texels.
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
 #include "shared/diffusion.h"
 layout(local_size_x = 64) in;
 layout(push_constant, scalar) uniform PushBlock { LevelPush push; };
-layout(binding = 0, scalar) readonly buffer Inverse { vec4 inverse[]; };  // [channel][column cell][row texel]
+layout(binding = 0, scalar) readonly buffer Inverse { vec4 inverse[]; };  // [channel][row cell][column texel]
 layout(binding = 1, rgba32f) uniform readonly image3D b;
 layout(binding = 2, rgba32f) uniform writeonly image3D x;
 
@@ -18,8 +17,8 @@ void main() {
   for (int column = 0; column < count; ++column) {
     ivec3 c = ivec3(column % nx4, column / nx4 % push.cells.y, column / (nx4 * push.cells.y) + channel * push.cells.z);
     vec4 value = imageLoad(b, c);
-    int at = (channel * count + column) * 4 * count + row;
-    for (int lane = 0; lane < 4; ++lane) sum += inverse[at + lane * count] * value[lane];
+    int at = (channel * count + row) * 4 * count + column;
+    for (int lane = 0; lane < 4; ++lane) sum[lane] += dot(inverse[at + lane * count], value);
   }
   ivec3 t = ivec3(row % nx4, row / nx4 % push.cells.y, row / (nx4 * push.cells.y) + channel * push.cells.z);
   imageStore(x, t, sum);
