@@ -23,7 +23,8 @@ Deflation::Deflation(gpu::Context& context, const gpu::Image& stencil, glm::ivec
     noise_ = std::max(noise_, found[c].noise);
     rough_ = rough_ || found[c].rough;
     const auto before = static_cast<std::uint32_t>(entries.size()), first = static_cast<std::uint32_t>(islands.size());
-    for (std::uint32_t label : found[c].labels) labels.push_back(label > 0 ? first + label : 0);
+    for (std::uint32_t& label : found[c].labels) label += label > 0 ? first : 0;
+    labels.insert(labels.end(), found[c].labels.begin(), found[c].labels.end());
     for (const IslandSpan& span : found[c].spans) {
       islands.push_back({static_cast<std::uint32_t>(pieces.size()), 0, span.weight});
       for (std::uint32_t begin = span.cells; begin < span.end; begin += DIFFUSION_ISLAND_PIECE)

@@ -9,6 +9,8 @@
 namespace alabaster {
 namespace {
 
+constexpr double nearly_right = 0.03, well_begun = 3e-3;  // relative residuals
+
 struct EnergyPush {
   SurfacePush surface;
   int partials_per_channel;
@@ -43,7 +45,9 @@ FluencePasses::FluencePasses(gpu::Context& c)
       absorbed{c, "diffusion/absorbed.comp", {1}},
       energy{c, "diffusion/energy.comp"},
       gradient{c, "diffusion/gradient.comp"},
-      surface{{c, "diffusion/surface.comp", {0}}, {c, "diffusion/surface.comp", {1}}},
+      carry{c, "diffusion/carry.comp"},
+      inner{c, "diffusion/inner.comp"},
+      surface{c, "diffusion/surface.comp"},
       exit{{c, "diffusion/exit.comp", {0}}, {c, "diffusion/exit.comp", {1}}} {}
 
 double EnergyBalance::imbalance() const {
@@ -67,7 +71,8 @@ Diffusion::Diffusion(gpu::Context& context, const DiffusionPasses& solver_passes
                surface_image(context, domain, "surface fluence, down")},
       surface_gamma_{surface_image(context, domain, "surface Gamma_s, up"),
                      surface_image(context, domain, "surface Gamma_s, down")},
-      near_cells_(gpu::make_buffer(context, cells_near_surface(context, domain), "cells near the surface")),
+      lines_(context, std::size_t(2) * medium.channels * cut_count_ * sizeof(glm::vec4), "surface lines"),
+      side_lights_(context, std::size_t(2) * cut_count_ * sizeof(glm::vec4), "surface lights"),
       facets_(context, cut_count_ * sizeof(FacetMedium), "facet medium"),
       conductances_(context, std::size_t(medium.channels) * cut_count_ * sizeof(float), "facet conductances"),
       scales_(context, medium.channels * sizeof(FluenceScale), "fluence scales", gpu::Memory::host),
@@ -80,6 +85,9 @@ Diffusion::Diffusion(gpu::Context& context, const DiffusionPasses& solver_passes
       multigrid_(context, solver_passes, domain.frame.cells, medium.channels, active_cells(context, domain),
                  options.multigrid),
       pcg_(context, solver_passes, multigrid_, options) {
+  const NearSurface near = find_near_surface(context, domain);
+  near_cells_ = gpu::make_buffer(context, near.cells, "cells near the surface");
+  cut_neighbours_ = gpu::make_buffer(context, near.neighbours, "cut cells around them");
   gpu::Commands commands(context);
   commands.fill(scales_);
   commands.submit();
@@ -124,6 +132,9 @@ void Diffusion::finish() {
 
 void Diffusion::forget() {
   pcg_.clear_solution();
+  gpu::Commands commands(context_);
+  commands.fill(scales_);  // no unit of before: its corrections are none for the next solve
+  commands.submit();
   if (history_) history_->forget();
 }
 
@@ -186,18 +197,43 @@ void Diffusion::record_gradients(gpu::Commands& commands, const FacetLight& ligh
 void Diffusion::record_surface(gpu::Commands& commands, const FacetLight& light) {
   const auto scope = commands.time("diffusion surface");
   if (!surface_cleared_)  // not before: the set-up is where memory peaks
-    for (const gpu::Image& image : surface_gamma_) commands.clear(image);
+    for (int side = 0; side < 2; ++side) {
+      commands.clear(surface_[side], {0, 0, 0, 1});
+      commands.clear(surface_gamma_[side]);
+    }
   surface_cleared_ = true;
-  const glm::ivec3 n = domain_.frame.cells;
-  const gpu::Bindings bindings{
-      {"cut_index", domain_.cut_index}, {"cut_cells", domain_.cut_cells}, {"scales", scales_},
-      {"gradients", gradients_},        {"volume", domain_.volume},       {"phi", pcg_.solution()},
-      {"gamma_s", light.gamma_s},       {"query_gamma", *light.query},    {"facets", facets_},
-      {"near_cells", near_cells_},      {"phi_up", surface_[0]},          {"phi_down", surface_[1]},
-      {"gamma_up", surface_gamma_[0]},  {"gamma_down", surface_gamma_[1]}};
-  commands.dispatch(passes_.surface[0], {n.x / 4, n.y, n.z}, bindings, surface_push(light.sides));
-  commands.dispatch(passes_.surface[1], {near_cells_.bytes() / sizeof(std::uint32_t) / 8 + 8, 8, 1}, bindings,
+  commands.dispatch(passes_.carry, {cut_count_, multigrid_.channels(), 1},
+                    {{"cut_index", domain_.cut_index},
+                     {"cut_cells", domain_.cut_cells},
+                     {"gradients", gradients_},
+                     {"gamma_s", light.gamma_s},
+                     {"query_gamma", *light.query},
+                     {"facets", facets_},
+                     {"lines", lines_},
+                     {"side_lights", side_lights_}},
                     surface_push(light.sides));
+  commands.dispatch(passes_.inner, {multigrid_.bricks().count * 8, 1, 1},
+                    {{"bricks", multigrid_.bricks().packed},
+                     {"scales", scales_},
+                     {"phi", pcg_.solution()},
+                     {"phi_up", surface_[0]},
+                     {"phi_down", surface_[1]}},
+                    surface_push());
+  commands.dispatch(passes_.surface, {near_cells_.bytes() / sizeof(NearCell), 1, 1},
+                    {{"cut_index", domain_.cut_index},
+                     {"cut_cells", domain_.cut_cells},
+                     {"scales", scales_},
+                     {"volume", domain_.volume},
+                     {"phi", pcg_.solution()},
+                     {"near_cells", near_cells_},
+                     {"cut_neighbours", cut_neighbours_},
+                     {"lines", lines_},
+                     {"side_lights", side_lights_},
+                     {"phi_up", surface_[0]},
+                     {"phi_down", surface_[1]},
+                     {"gamma_up", surface_gamma_[0]},
+                     {"gamma_down", surface_gamma_[1]}},
+                    surface_push());
 }
 
 // Puts the units of fluence in place. True where the solution and the gradients of before are of use for this light.
@@ -212,21 +248,23 @@ bool Diffusion::adopt_light(const FacetLight& light) {
 }
 
 // The corrections converge about as fast as the solver does, so the early solves need no more digits than they bring.
+// Those of a solution that was nearly right are worth a pass.
 SolverStatus Diffusion::solve(const FacetLight& light) {
   SolverStatus status;
-  int iterations = 0;
+  int iterations = 0, last = options_.corrections;
   const bool warm = adopt_light(light);
-  for (int pass = 0; pass <= options_.corrections; ++pass) {
+  for (int pass = 0; pass <= last; ++pass) {
     gpu::Commands commands(context_);
     if (pass == 0) record_rescale(commands);
     if (pass > 0) record_gradients(commands, light);
     record_source(commands, light, options_.corrections > 0 && (pass > 0 || warm));
     commands.submit();
-    if (history_ && iterations == 0) history_->guess();
-    const double reached = pass == options_.corrections ? 0.0 : std::pow(10.0, -2 - pass);
-    status = pcg_.solve(std::max(options_.tolerance, reached),
-                        pass == options_.corrections ? Pcg::Check::true_residual : Pcg::Check::recurrence);
+    if (history_ && pass == 0) history_->guess();
+    const double reached = warm && pass == 0 ? well_begun : std::pow(10.0, -2 - pass);
+    status = pcg_.solve(std::max(options_.tolerance, pass == last ? 0 : reached),
+                        pass == last ? Pcg::Check::true_residual : Pcg::Check::recurrence);
     iterations += status.iterations;
+    if (warm && pass == 0 && status.began_at <= nearly_right) last = std::min(last, 1);
   }
   status.iterations = iterations;
   if (history_ && status.converged) history_->add();

@@ -14,8 +14,8 @@ namespace alabaster {
 /// The passes around the linear solver, made once a context.
 struct FluencePasses {
   explicit FluencePasses(gpu::Context& context);
-  gpu::Pass assemble, scale, facets[2], source[2][2];                  // [corrected][in cells]
-  gpu::Pass rescale, absorbed, energy, gradient, surface[2], exit[2];  // surface [near], exit [straight]
+  gpu::Pass assemble, scale, facets[2], source[2][2];                             // [corrected][in cells]
+  gpu::Pass rescale, absorbed, energy, gradient, carry, inner, surface, exit[2];  // exit [straight]
 };
 
 /// Where a channel's light went, W: in = integral Gamma_s; absorbed = integral sigma_a phi; out = what the render query
@@ -105,7 +105,8 @@ class Diffusion {
   double A_, f_dt_;
   int cut_count_;  // entry 0 included
   gpu::Image kappa_, absorption_, surface_[2], surface_gamma_[2];
-  gpu::Buffer near_cells_, facets_, conductances_, scales_, gradients_, energy_sums_;
+  gpu::Buffer near_cells_, cut_neighbours_, lines_, side_lights_;  // for the surface
+  gpu::Buffer facets_, conductances_, scales_, gradients_, energy_sums_;
   gpu::Buffer cell_sources_, face_fluxes_, facet_offsets_;
   SolverOptions options_;
   glm::dvec3 kappa_scale_{1};

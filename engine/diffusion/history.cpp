@@ -74,7 +74,8 @@ std::vector<double> SolutionHistory::energies(const gpu::Image& v) {
   commands.submit();
   const std::vector<float> parts = gpu::download<float>(context_, pcg_.partials());
   std::vector<double> sums(multigrid_.channels());
-  for (std::size_t i = 0; i < parts.size(); ++i) sums[i / pcg_.partials_per_channel()] += parts[i];
+  for (std::size_t i = 0; i < sums.size() * pcg_.partials_per_channel(); ++i)
+    sums[i / pcg_.partials_per_channel()] += parts[i];
   return sums;
 }
 

@@ -1,7 +1,11 @@
 #include "diffusion/islands.h"
 
+#include <tbb/parallel_for.h>
+#include <tbb/parallel_reduce.h>
+
 #include <algorithm>
 #include <array>
+#include <functional>
 #include <numeric>
 
 namespace alabaster {
@@ -15,14 +19,21 @@ constexpr double isolated = 0.1;  // of an island's largest diagonal: what leave
 
 struct Grid {
   glm::ivec3 n;
-  std::span<const float> stencil;
+  std::vector<float> entries[DIFFUSION_FINEST_ENTRIES];  // of every cell
 
+  Grid(glm::ivec3 size, std::span<const float> stencil) : n(size) {
+    for (auto& entry : entries) entry.resize(cells());
+    tbb::parallel_for(tbb::blocked_range<int>(0, n.y * n.z, 64), [&](const tbb::blocked_range<int>& rows) {
+      for (int row = rows.begin(); row < rows.end(); ++row)
+        for (int entry = 0; entry < DIFFUSION_FINEST_ENTRIES; ++entry)
+          std::copy_n(&stencil[std::size_t(n.x) * (entry + DIFFUSION_FINEST_ENTRIES * std::size_t(row))], n.x,
+                      &entries[entry][std::size_t(n.x) * row]);
+    });
+  }
   int cells() const { return n.x * n.y * n.z; }
   glm::ivec3 cell(int i) const { return {i % n.x, i / n.x % n.y, i / (n.x * n.y)}; }
   int step(int axis) const { return axis == 0 ? 1 : axis == 1 ? n.x : n.x * n.y; }
-  float at(int entry, int i) const {
-    return stencil[i % n.x + std::size_t(n.x) * (entry + DIFFUSION_FINEST_ENTRIES * std::size_t(i / n.x))];
-  }
+  float at(int entry, int i) const { return entries[entry][i]; }
   /// Conductance of face 0..5 (towards -x, +x, -y, ...), 0 where there is none. Grids have an empty margin all around.
   float face(int side, int i) const {
     const int axis = side / 2, upper = i + (side & 1) * step(axis);
@@ -86,38 +97,59 @@ bool three_magnitudes(const std::array<float, 6>& faces) {
   return magnitudes >= 3;
 }
 
+struct Roughness {
+  std::ptrdiff_t active = 0;  // cells
+  // Cells with six faces: the surface cuts faces down to nothing in any medium.
+  std::ptrdiff_t within = 0, jumps = 0, noisy = 0;
+};
+
+Roughness operator+(const Roughness& a, const Roughness& b) {
+  return {a.active + b.active, a.within + b.within, a.jumps + b.jumps, a.noisy + b.noisy};
+}
+
+/// Also the diagonal of every cell.
+Roughness roughness(const Grid& grid, std::vector<float>& diagonal) {
+  const auto cells = [&](const tbb::blocked_range<int>& range, Roughness sum) {
+    for (int i = range.begin(); i < range.end(); ++i) {
+      diagonal[i] = grid.at(DIFFUSION_REACTION, i);
+      std::array<float, 6> faces;
+      for (int side = 0; side < 6; ++side) diagonal[i] += faces[side] = grid.face(side, i);
+      sum.active += diagonal[i] > 0;
+      const auto [least, most] = std::minmax_element(faces.begin(), faces.end());
+      if (*least <= 0) continue;
+      ++sum.within;
+      if (*most <= jump * *least) continue;
+      ++sum.jumps;
+      std::sort(faces.begin(), faces.end());
+      sum.noisy += three_magnitudes(faces);
+    }
+    return sum;
+  };
+  return tbb::parallel_reduce(tbb::blocked_range<int>(0, grid.cells(), 1 << 14), Roughness{}, cells, std::plus<>());
+}
+
 }  // namespace
 
 Islands find_islands(glm::ivec3 n, std::span<const float> stencil) {
-  const Grid grid{n, stencil};
   Islands islands;
-  islands.labels.assign(grid.cells(), 0);
+  islands.labels.assign(std::size_t(n.x) * n.y * n.z, 0);
   if (std::max({n.x, n.y, n.z}) > DIFFUSION_ISLAND_CELLS) return islands;
+  const Grid grid(n, stencil);
   std::vector<float> diagonal(grid.cells());
-  int within = 0, jumps = 0, noisy = 0;  // cells with six faces: the surface cuts faces down to nothing in any medium
-  for (int i = 0; i < grid.cells(); ++i) {
-    diagonal[i] = grid.at(DIFFUSION_REACTION, i);
-    std::array<float, 6> faces;
-    for (int side = 0; side < 6; ++side) diagonal[i] += faces[side] = grid.face(side, i);
-    std::sort(faces.begin(), faces.end());
-    if (faces.front() <= 0) continue;
-    ++within;
-    jumps += faces.back() > jump * faces.front();
-    noisy += three_magnitudes(faces);
-  }
-  islands.rough = jumps > rough_share * within;
-  islands.noise = within > 0 ? double(noisy) / within : 0.0;
+  const Roughness all = roughness(grid, diagonal);
+  islands.rough = double(all.jumps) > rough_share * double(all.within);
+  islands.noise = all.within > 0 ? double(all.noisy) / double(all.within) : 0.0;
+  if (all.jumps == 0 && 2 * all.within > all.active) return islands;  // only a medium's jumps make islands
   std::vector<int> number;
   std::vector<Component> list = components(grid, diagonal, number);
   const auto leaves = [&](int i, int side) {
     return grid.face(side, i) > 0 && number[grid.beyond(side, i)] != number[i];
   };
-  const auto active = std::count_if(diagonal.begin(), diagonal.end(), [](float d) { return d > 0; });
   std::vector<int> order;
   for (std::size_t k = 0; k < list.size(); ++k) {
     Component& c = list[k];
     // Single cells are the smoother's, most of the object is the coarse grids'.
-    if (c.cells.size() < 2 || 2 * std::ptrdiff_t(c.cells.size()) > active) continue;
+    if (c.cells.size() < 2 || 2 * std::ptrdiff_t(c.cells.size()) > all.active) continue;
     for (int i : c.cells) {
       c.reaction += grid.at(DIFFUSION_REACTION, i);
       c.largest = std::max(c.largest, double(diagonal[i]));

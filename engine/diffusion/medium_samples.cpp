@@ -5,8 +5,11 @@
 #include <algorithm>
 #include <atomic>
 #include <bit>
+#include <cstdio>
 #include <mutex>
+#include <span>
 
+#include "diffusion/cell_noise.h"
 #include "diffusion/face_kappa.h"
 #include "diffusion/medium_layer.h"
 #include "shared/optics.h"
@@ -80,6 +83,7 @@ class Averaging {
       out_.kappa_scale = glm::max(out_.kappa_scale, largest);
     });
     judge();
+    judge_noise();
     for (int c = 0; c < channels; ++c) scale(c, static_cast<float>(1 / out_.kappa_scale[c]));
     return std::move(out_);
   }
@@ -136,6 +140,20 @@ class Averaging {
     out_.warnings.push_back("it is about a cell thick and absorbs within " + std::to_string(int(least_layer)) +
                             " cells (" + std::to_string(int(std::lround(100 * share))) +
                             " % of its surface): stripes of the grid show; use a finer --grid");
+  }
+
+  void judge_noise() {
+    const std::span<const float> all(out_.cell_kappa);
+    double noise = 1;
+    for (int c = 0; c < out_.channels; ++c)
+      noise = std::max(noise, cell_noise(n_, all.subspan(c * volume_.size(), volume_.size())));
+    if (noise <= 1.5 * most_cell_noise) return;
+    char text[240];
+    std::snprintf(text, sizeof text,
+                  "its medium is noise at the scale of the grid's cells, of contrast %.0e (to 1e4 is supported): the "
+                  "grid decides where light gets through; use a smoother medium or a finer --grid",
+                  noise);
+    out_.warnings.push_back(text);
   }
 
   /// Behind both sheets where the surface bends back, else behind the one.

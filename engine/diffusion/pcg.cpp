@@ -15,7 +15,7 @@ Pcg::Pcg(gpu::Context& context, const DiffusionPasses& passes, Multigrid& multig
   const glm::ivec3 cells = multigrid.finest().cells;
   for (gpu::Image* v : {&rhs_, &high_, &low_, &p_})
     *v = packed_image(context, cells, multigrid.channels(), 1, "vector");
-  partials_ = gpu::Buffer(context, std::size_t(multigrid.channels()) * partials_per_channel() * sizeof(float),
+  partials_ = gpu::Buffer(context, std::size_t(3) * multigrid.channels() * partials_per_channel() * sizeof(float),
                           "diffusion partials");
   scalars_ = gpu::Buffer(context, multigrid.channels() * sizeof(CgScalars), "diffusion scalars", gpu::Memory::host);
   gpu::Commands commands(context);
@@ -23,9 +23,11 @@ Pcg::Pcg(gpu::Context& context, const DiffusionPasses& passes, Multigrid& multig
   commands.submit();
 }
 
-void Pcg::reduce(gpu::Commands& commands, int mode) {
-  commands.dispatch(passes_.reduce, {64 * multigrid_.channels(), 1, 1},
-                    {{"partials", partials_}, {"scalars", scalars_}}, ReducePush{partials_per_channel(), mode});
+// `sum`: which of the sums that the pass before left.
+void Pcg::reduce(gpu::Commands& commands, int mode, int sum) {
+  const int channels = multigrid_.channels(), partials = partials_per_channel();
+  commands.dispatch(passes_.reduce, {64 * channels, 1, 1}, {{"partials", partials_}, {"scalars", scalars_}},
+                    ReducePush{partials, mode, sum * channels * partials});
 }
 
 void Pcg::record() {
@@ -34,7 +36,7 @@ void Pcg::record() {
   recorded_ = multigrid_.generation();
 }
 
-// r = b - A (high + low), r . r, and the first smoothing step of a cycle
+// r = b - A (high + low), the first smoothing step of a cycle, and three sums: r . r, |D^-1 r|^2, |x|^2
 void Pcg::record_residual(gpu::Commands& commands) {
   MultigridLevel& level = multigrid_.finest();
   const glm::uvec3 threads = multigrid_.threads(0);
@@ -90,6 +92,8 @@ void Pcg::record_start() {
                      push);
     record_residual(*start_);
   }
+  reduce(*start_, DIFFUSION_REDUCE_SCALED, 1);
+  reduce(*start_, DIFFUSION_REDUCE_SIZE, 2);
   reduce(*start_, DIFFUSION_REDUCE_TRUE);
 }
 
@@ -160,8 +164,9 @@ bool Pcg::converged_by_recurrence(SolverStatus& status) const {
 SolverStatus Pcg::solve(double tolerance, Check check) {
   SolverStatus status;
   if (recorded_ != multigrid_.generation()) record();
+  CgScalars* const device = static_cast<CgScalars*>(scalars_.mapped());
   for (int c = 0; c < multigrid_.channels(); ++c)
-    static_cast<CgScalars*>(scalars_.mapped())[c].tolerance = static_cast<float>(tolerance);
+    device[c].tolerance = device[c].target = static_cast<float>(tolerance);
   std::vector<double> last(multigrid_.channels(), INFINITY);
   while (true) {
     start_->submit();
@@ -169,12 +174,18 @@ SolverStatus Pcg::solve(double tolerance, Check check) {
     bool stalled = true;
     status.converged = true;
     for (std::size_t c = 0; c < checked.size(); ++c) {
-      const double relative = checked[c].bb > 0 ? std::sqrt(double(checked[c].true_rr) / checked[c].bb) : 0.0;
+      const double relative = checked[c].bb > 0 ? std::sqrt(double(checked[c].true_rr) / checked[c].bb) : 0.0,
+                   scaled = checked[c].xx > 0 ? std::sqrt(double(checked[c].scaled_rr) / checked[c].xx) : 0.0,
+                   larger = std::max(relative, scaled);
       status.relative_residual[c] = relative;
+      status.scaled_residual[c] = scaled;
+      if (status.iterations == 0) status.began_at = std::max(status.began_at, relative);
       if (checked[c].done == 1) continue;
       status.converged = false;
-      stalled = stalled && !(relative < 0.5 * last[c]);
-      last[c] = relative;
+      stalled = stalled && !(larger < 0.5 * last[c]);
+      last[c] = larger;
+      if (relative <= tolerance)
+        device[c].target = static_cast<float>(0.5 * relative * DIFFUSION_SCALED * tolerance / scaled);
     }
     if (status.converged) return status;
     const double noise = multigrid_.deflation().noise();

@@ -23,27 +23,34 @@ vec4 apply_to(Star s, ivec3 t) {
 
 vec4 apply_finest(ivec3 t) { return apply_to(star_of_x(t), t); }
 
+// Of the cells in one row of texels: those to the left, above or below, to the right, less `centre`.
+struct Row3 {
+  vec4 left, own, right;
+};
+
+Row3 row_of_x(ivec3 s, vec4 centre) {
+  vec4 own = imageLoad(x, s);
+  return Row3(shifted_left(imageLoad(x, s - step_x), own) - centre, own - centre,
+              shifted_right(own, imageLoad(x, s + step_x)) - centre);
+}
+
+// Rows with entries of their own, then those whose entries are their cells': apart, since a CPU's vector lanes run every
+// branch of a loop's body.
 vec4 apply_coarse(ivec3 t) {
   vec4 centre = imageLoad(x, t), y = coefficient(DIFFUSION_ROW_SUM, t) * centre;
-  for (int row = 0; row < 9; ++row) {
-    ivec3 s = t + ivec3(0, row % 3 - 1, row / 3 - 1);
-    vec4 own = imageLoad(x, s);
-    vec4 left = shifted_left(imageLoad(x, s - step_x), own) - centre;
-    vec4 right = shifted_right(own, imageLoad(x, s + step_x)) - centre;
-    own -= centre;
+  for (int row = 0; row < 4; ++row) {
+    ivec3 d = ivec3(0, row % 3 - 1, row / 3 - 1);
     int k = 3 * row;
-    if (row < 4) {
-      y += coefficient(k, t) * left + coefficient(k + 1, t) * own + coefficient(k + 2, t) * right;
-    } else if (row == 4) {
-      vec4 low = coefficient(k, t);
-      y += low * left + shifted_right(low, coefficient_right(k, t)) * right;
-    } else {
-      vec4 to_left = shifted_left(coefficient_left(26 - k, s), coefficient(26 - k, s));
-      vec4 to_right = shifted_right(coefficient(24 - k, s), coefficient_right(24 - k, s));
-      y += to_left * left + coefficient(25 - k, s) * own + to_right * right;
-    }
+    Row3 below = row_of_x(t + d, centre), above = row_of_x(t - d, centre);
+    y += coefficient(k, t) * below.left + coefficient(k + 1, t) * below.own + coefficient(k + 2, t) * below.right;
+    ivec3 s = t - d;
+    vec4 to_left = shifted_left(coefficient_left(k + 2, s), coefficient(k + 2, s));
+    vec4 to_right = shifted_right(coefficient(k, s), coefficient_right(k, s));
+    y += to_left * above.left + coefficient(k + 1, s) * above.own + to_right * above.right;
   }
-  return y;
+  Row3 row = row_of_x(t, centre);
+  vec4 low = coefficient(12, t);
+  return y + low * row.left + shifted_right(low, coefficient_right(12, t)) * row.right;
 }
 
 vec4 apply(ivec3 t) { return finest != 0 ? apply_finest(t) : apply_coarse(t); }

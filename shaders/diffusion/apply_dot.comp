@@ -8,7 +8,8 @@ layout(binding = 6, rgba32f) uniform writeonly image3D product;
 
 void main() {
   ivec3 t = texel_here();
-  vec4 y = apply_finest(t);
+  Star s = star_of_x(t);
+  vec4 y = apply_to(s, t);
   imageStore(product, t, y);
-  leave_partial(dot(imageLoad(x, t), y));
+  leave_partial(dot(s.own, y));
 }

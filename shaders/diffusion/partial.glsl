@@ -3,8 +3,11 @@
 #extension GL_KHR_shader_subgroup_arithmetic : require
 layout(binding = 3, scalar) buffer Partials { float partials[]; };
 
-void leave_partial(float value) {
+// Several sums of a pass lie one after the other.
+void leave_partial(uint which, float value) {
   float sum = subgroupAdd(value);
-  if (subgroupElect())
-    partials[(gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x) * DIFFUSION_PARTIALS + gl_SubgroupID] = sum;
+  uint group = (which * gl_NumWorkGroups.y + gl_WorkGroupID.y) * gl_NumWorkGroups.x + gl_WorkGroupID.x;
+  if (subgroupElect()) partials[group * DIFFUSION_PARTIALS + gl_SubgroupID] = sum;
 }
+
+void leave_partial(float value) { leave_partial(0, value); }

@@ -8,12 +8,12 @@
 #extension GL_KHR_shader_subgroup_arithmetic : require
 layout(local_size_x = 64) in;
 layout(push_constant, scalar) uniform PushBlock { ReducePush push; };
-layout(binding = 0, scalar) readonly buffer Partials { float partials[]; };
+layout(binding = 0, scalar) readonly buffer Partials { vec4 partials[]; };
 layout(binding = 1, scalar) buffer Scalars { CgScalars scalars[]; };
 shared float sums[64];  // of the subgroups
 
 void advance(inout CgScalars s, float sum) {
-  float goal = s.tolerance * s.tolerance * s.bb;
+  float square = s.tolerance * s.tolerance;
   bool broken = !(sum >= 0) || isinf(sum);
   if (push.mode == DIFFUSION_REDUCE_START) {
     s.bb = sum;
@@ -21,18 +21,22 @@ void advance(inout CgScalars s, float sum) {
   } else if (push.mode == DIFFUSION_REDUCE_TRUE) {
     s.true_rr = s.rr = sum;
     s.rho = 0;
-    s.done = s.bb <= 0 || sum <= goal ? 1 : 0;
+    s.done = s.bb <= 0 || (sum <= square * s.bb && s.scaled_rr <= DIFFUSION_SCALED * DIFFUSION_SCALED * square * s.xx) ? 1 : 0;
   } else if (push.mode == DIFFUSION_REDUCE_BETA) {
     s.beta = s.done == 0 && s.rho > 0 ? sum / s.rho : 0;
     s.rho = sum;
   } else if (push.mode == DIFFUSION_REDUCE_ALPHA) {
     s.alpha = s.done == 0 && sum > 0 ? s.rho / sum : 0;
     broken = broken || sum == 0;
+  } else if (push.mode == DIFFUSION_REDUCE_SCALED) {
+    s.scaled_rr = sum;
+  } else if (push.mode == DIFFUSION_REDUCE_SIZE) {
+    s.xx = sum;
   } else {
     s.rr = sum;
     if (s.done == 0) {
       s.iterations += 1;
-      if (sum <= goal) s.done = 1;
+      if (sum <= s.target * s.target * s.bb) s.done = 1;
     }
   }
   if (broken && s.done == 0) {
@@ -43,9 +47,10 @@ void advance(inout CgScalars s, float sum) {
 
 void main() {
   uint channel = gl_WorkGroupID.x, lane = gl_LocalInvocationID.x;
-  float sum = 0;
-  for (uint i = lane; i < push.partials; i += 64) sum += partials[channel * push.partials + i];
-  sum = subgroupAdd(sum);
+  uint count = push.partials / 4, begin = push.first / 4 + channel * count;  // a workgroup leaves a multiple of four
+  vec4 four = vec4(0);
+  for (uint i = lane; i < count; i += 64) four += partials[begin + i];
+  float sum = subgroupAdd(four.x + four.y + four.z + four.w);
   if (subgroupElect()) sums[gl_SubgroupID] = sum;
   barrier();
   if (lane == 0) {

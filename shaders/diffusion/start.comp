@@ -1,5 +1,5 @@
-// r = b - A (x + rest), r . r, and the first smoothing step of a cycle: z = omega D^-1 r. What x and rest have is
-// subtracted apart: their sum has not the digits (update.comp).
+// r = b - A (x + rest) and the first smoothing step of a cycle: z = omega D^-1 r. What x and rest have is subtracted
+// apart: their sum has not the digits (update.comp). Three sums: r . r, |D^-1 r|^2 and x . x.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "diffusion/level.glsl"
@@ -21,8 +21,10 @@ Star star_of_rest(ivec3 t) {
 void main() {
   ivec3 t = texel_here();
   vec4 left = imageLoad(b, t) - apply_to(star_of_rest(t), t);
-  vec4 residual = left - apply_finest(t);
+  vec4 residual = left - apply_finest(t), scaled = imageLoad(inverse_l1, t) * residual, own = imageLoad(x, t);
   imageStore(r, t, residual);
-  imageStore(z, t, push.omega * imageLoad(inverse_l1, t) * residual);
-  leave_partial(dot(residual, residual));
+  imageStore(z, t, push.omega * scaled);
+  leave_partial(0, dot(residual, residual));
+  leave_partial(1, dot(scaled, scaled));
+  leave_partial(2, dot(own, own));
 }

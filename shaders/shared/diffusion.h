@@ -52,6 +52,10 @@
 #define DIFFUSION_REDUCE_ALPHA 2
 #define DIFFUSION_REDUCE_RESIDUAL 3
 #define DIFFUSION_REDUCE_TRUE 4
+#define DIFFUSION_REDUCE_SCALED 5
+#define DIFFUSION_REDUCE_SIZE 6
+// The scaled residual |D^-1 r| / |x| may be as many times the tolerance; the fluence's error is some 40 times it.
+#define DIFFUSION_SCALED 3.0f
 
 ALABASTER_BEGIN_SHARED
 
@@ -71,6 +75,7 @@ struct WeightsPush {
 struct ReducePush {
   int partials;  // of one channel
   int mode;      // DIFFUSION_REDUCE_*
+  int first;     // of the sums' partials; later ones are of other sums
 };
 
 struct IslandPush {
@@ -84,13 +89,16 @@ struct LiftPush {
 
 // Scalars of the conjugate gradients of one channel.
 struct CgScalars {
-  float tolerance;     // of the relative residual; the host sets it
+  float tolerance;     // of the relative residual and of the scaled one; the host sets it
+  float target;        // relative residual by recurrence at which to look at the true one; the host sets it
   float bb;            // |b|^2
   float rr;            // |r|^2, r by recurrence
   float rho;           // r . z
   float alpha;         // step; 0 once converged
   float beta;
   float true_rr;       // |b - A x|^2
+  float scaled_rr;     // |D^-1 (b - A x)|^2, D the l1 norm of the rows
+  float xx;            // |x|^2
   int iterations;
   int done;            // 1: converged, 2: broken down (p . A p <= 0 or not finite)
 };
@@ -112,6 +120,14 @@ struct FacetMedium {
   vec3 kappa;              // m
   vec3 reduced_intensity;  // exp(-sigma_a / sigma_s')
   vec3 sigma_a;            // 1/m
+};
+
+// A cell near the surface, and which cut cells are around it: near_surface.h.
+struct NearCell {
+  uint cell;         // x | y << 10 | z << 20
+  uint begin, end;   // of its neighbours
+  float alike;       // how far the two sides of the surface around it face the same way, 0 to 1
+  float alike_here;  // the same of the surface in the cell itself
 };
 
 // Unit of a channel's fluence inside the solver.

@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <string>
 
+#include "alabaster-bench/problems.h"
 #include "scene/error.h"
 #include "support/diffusion_device.h"
 #include "support/diffusion_problems.h"
@@ -158,13 +159,41 @@ TEST_F(Extremes, Contrast) {
               grid};
     Case noisy{label("noise at one cell, contrast %g", contrast), mesh, contrasted(noise(0.02, contrast, cell)), grid};
     fine.may_give_up = noisy.may_give_up = contrast > 1e4;
-    // Its faces all conduct 1e-6 of what the facets of its conductive cells do, and the residual is measured by those.
-    if (contrast > 1e4) fine.agreement = 1e-3;
     expect(fine);
     expect(noisy);
+    for (const double edge : {1.3, 1.6, 2.0})
+      expect({label("checker of %g cells, contrast %g", edge, contrast), mesh,
+              contrasted(checker(0.02, contrast, edge * cell)), grid});
     expect({label("noise at 3 cells, contrast %g", contrast), mesh, contrasted(noise(0.02, contrast, 3 * cell)), grid});
   }
   std::printf("worst: twin %.1e, imbalance %.1e; %d gave up\n", worst_twin, worst_imbalance, given_up);
+}
+
+TEST_F(Extremes, NoiseAtCellScaleIsSaid) {
+  const Mesh mesh = icosphere(4, 0.5f);
+  const int grid = 40;
+  const double cell = choose_frame(bounds_of(mesh), grid).h;
+  const Domain domain = make_domain(context, mesh, choose_frame(bounds_of(mesh), grid));
+  const auto told = [&](const MediumField& field) {
+    const MediumSamples samples = sample_medium(context, domain, field, 1);
+    for (const std::string& warning : samples.warnings) std::printf("%s\n", warning.c_str());
+    return std::any_of(samples.warnings.begin(), samples.warnings.end(),
+                       [](const std::string& w) { return w.find("noise at the scale") != std::string::npos; });
+  };
+  EXPECT_TRUE(told(contrasted(checker(0.02, 1e6, cell))));
+  EXPECT_TRUE(told(contrasted(checker(0.02, 1e6, 1.3 * cell))));
+  EXPECT_TRUE(told(contrasted(noise(0.02, 1e6, cell))));
+  for (const double contrast : {1e2, 1e4}) {
+    EXPECT_FALSE(told(contrasted(checker(0.02, contrast, cell)))) << contrast;
+    EXPECT_FALSE(told(contrasted(noise(0.02, contrast, cell)))) << contrast;
+  }
+  for (const double edge : {2.0, 3.0, 4.0}) EXPECT_FALSE(told(contrasted(checker(0.02, 1e6, edge * cell)))) << edge;
+  for (const double width : {0.1, 0.2, 0.4}) EXPECT_FALSE(told(vein_medium(width, 1e6))) << width;
+  for (const double thickness : {0.5, 1.0, 2.0, 5.0})
+    EXPECT_FALSE(told(layer_medium(thickness * cell, 1e6))) << thickness;
+  EXPECT_FALSE(told(contrasted(sharp_layers(0.02, 1e6))));
+  EXPECT_FALSE(told(smooth_medium(1e6)));
+  EXPECT_FALSE(told(medium_of(20, 0.5)));
 }
 
 TEST_F(Extremes, IndexAndLight) {

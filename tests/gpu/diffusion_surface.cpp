@@ -22,17 +22,44 @@ void GpuDiffusionSurface::check_surface() {
   for (const char* name : {"phi up", "phi down", "gamma up", "gamma down"})
     images.push_back(gpu::image3d(context, n, VK_FORMAT_R32G32B32A32_SFLOAT, name));
   gpu::Commands commands(context);
-  const std::vector<std::uint32_t> near = cells_near_surface(context, domain);
-  const gpu::Buffer near_cells = gpu::make_buffer(context, near, "near cells");
-  const gpu::Bindings bindings{
-      {"cut_index", domain.cut_index}, {"cut_cells", domain.cut_cells}, {"scales", scale_buffer},
-      {"gradients", gradients},        {"volume", domain.volume},       {"phi", body.diffusion().pcg().solution()},
-      {"gamma_s", gamma_buffer},       {"query_gamma", query_buffer},   {"facets", body.diffusion().facet_medium()},
-      {"near_cells", near_cells},      {"phi_up", images[0]},           {"phi_down", images[1]},
-      {"gamma_up", images[2]},         {"gamma_down", images[3]}};
-  for (const gpu::Image& image : images) commands.clear(image);
-  commands.dispatch(passes.surface[0], {n.x / 4, n.y, n.z}, bindings, push());
-  commands.dispatch(passes.surface[1], {near.size() / 8 + 8, 8, 1}, bindings, push());
+  const NearSurface near = find_near_surface(context, domain);
+  const gpu::Buffer near_cells = gpu::make_buffer(context, near.cells, "near cells"),
+                    neighbours = gpu::make_buffer(context, near.neighbours, "neighbours"),
+                    lines = results<glm::vec4>(2 * channels * cut.size()), lights = results<glm::vec4>(2 * cut.size());
+  for (int k = 0; k < 4; ++k) commands.clear(images[k], k < 2 ? glm::vec4(0, 0, 0, 1) : glm::vec4(0));
+  commands.dispatch(passes.carry, {cut.size(), channels, 1},
+                    {{"cut_index", domain.cut_index},
+                     {"cut_cells", domain.cut_cells},
+                     {"gradients", gradients},
+                     {"gamma_s", gamma_buffer},
+                     {"query_gamma", query_buffer},
+                     {"facets", body.diffusion().facet_medium()},
+                     {"lines", lines},
+                     {"side_lights", lights}},
+                    push());
+  const BrickList& bricks = body.diffusion().multigrid().bricks();
+  commands.dispatch(passes.inner, {bricks.count * 8, 1, 1},
+                    {{"bricks", bricks.packed},
+                     {"scales", scale_buffer},
+                     {"phi", body.diffusion().pcg().solution()},
+                     {"phi_up", images[0]},
+                     {"phi_down", images[1]}},
+                    push());
+  commands.dispatch(passes.surface, {near.cells.size(), 1, 1},
+                    {{"cut_index", domain.cut_index},
+                     {"cut_cells", domain.cut_cells},
+                     {"scales", scale_buffer},
+                     {"volume", domain.volume},
+                     {"phi", body.diffusion().pcg().solution()},
+                     {"near_cells", near_cells},
+                     {"cut_neighbours", neighbours},
+                     {"lines", lines},
+                     {"side_lights", lights},
+                     {"phi_up", images[0]},
+                     {"phi_down", images[1]},
+                     {"gamma_up", images[2]},
+                     {"gamma_down", images[3]}},
+                    push());
   commands.submit();
   std::size_t kinds[4] = {0}, sheets = 0;  // whole, cut, taken from neighbours, far outside; with a slope a side
   Largest fluence_seen, gamma_seen;

@@ -40,12 +40,13 @@ class GpuDiffusionVectors : public GpuTest {
     const std::vector<float> all = gpu::download<float>(context, multigrid.levels()[l].inverse_l1);
     return unpack(all, matrix(l, 0).grid, 0, 1, channel);
   }
-  void expect_sum(int channel, double wanted, const char* name) {
+  /// Of a channel; a pass's next sums follow after both channels' first.
+  void expect_sum(int place, double wanted, const char* name) {
     const std::vector<float> all = gpu::download<float>(context, partials);
-    const std::size_t each = all.size() / 2;
+    const std::size_t each = multigrid.bricks().count;
     double sum = 0;
-    for (std::size_t i = 0; i < each; ++i) sum += all[channel * each + i];
-    EXPECT_NEAR(sum, wanted, close * std::abs(wanted) + 1e-4) << name << ", channel " << channel;
+    for (std::size_t i = 0; i < each; ++i) sum += all[place * each + i];
+    EXPECT_NEAR(sum, wanted, close * std::abs(wanted) + 1e-4) << name << ", " << place;
   }
   void run(const gpu::Pass& pass, std::size_t l, std::vector<gpu::Binding> bindings, float omega = 0,
            std::size_t threads_of = 0) {
@@ -64,7 +65,7 @@ class GpuDiffusionVectors : public GpuTest {
                                       twin::assemble(cells, checker(0.1, 1, 1, 0.5), 2.6)};
   Multigrid multigrid{context, passes, problems[0].a.grid.n, 2, active_cells(problems[0].a)};
   std::vector<twin::Multigrid> expected;
-  gpu::Buffer partials = gpu::make_buffer(context, std::vector<float>(2 * multigrid.bricks().count), "partials");
+  gpu::Buffer partials = gpu::make_buffer(context, std::vector<float>(6 * multigrid.bricks().count), "partials");
 };
 
 TEST_F(GpuDiffusionVectors, SmoothDefectAndResidualEqualTwin) {
@@ -142,7 +143,11 @@ TEST_F(GpuDiffusionVectors, DirectIsTheProductWithTheInverse) {
   std::mt19937 engine(3);
   std::uniform_real_distribution<float> uniform(-1, 1);
   std::vector<float> inverse(std::size_t(2) * count * count);
-  for (float& v : inverse) v = uniform(engine);
+  for (int c = 0; c < 2; ++c)
+    for (int row = 0; row < count; ++row)
+      for (int k = 0; k <= row; ++k)
+        inverse[(std::size_t(c) * count + row) * count + k] = inverse[(std::size_t(c) * count + k) * count + row] =
+            uniform(engine);
   const std::vector<twin::Vector> b = random(l, 6);
   const gpu::Image on_b = image(l, b), x = image(l, b);
   const gpu::Buffer on_inverse = gpu::make_buffer(context, inverse, "inverse");
@@ -201,7 +206,10 @@ TEST_F(GpuDiffusionVectors, StepsOfTheConjugateGradientsEqualTwin) {
     expect_sum(c, twin::dot(r, r), "start");
     first = r;
     const twin::Vector inverse = inverse_l1(0, c);
-    for (std::size_t i = 0; i < r.size(); ++i) first[i] *= double(0.8f) * inverse[i];
+    for (std::size_t i = 0; i < r.size(); ++i) first[i] *= inverse[i];
+    expect_sum(2 + c, twin::dot(first, first), "start's scaled residual");
+    expect_sum(4 + c, twin::dot(x[c], x[c]), "start's x . x");
+    for (double& v : first) v *= double(0.8f);
     expect(z, 0, c, first, "start's smoothing");
   }
 
@@ -306,7 +314,7 @@ TEST_F(GpuDiffusionVectors, ReduceMovesTheScalarsOn) {
                       parts_buffer = gpu::make_buffer(context, parts, "parts");
     gpu::Commands commands(context);
     commands.dispatch(passes.reduce, {64 * 2, 1, 1}, {{"partials", parts_buffer}, {"scalars", scalars}},
-                      ReducePush{count, mode});
+                      ReducePush{count, mode, 0});
     commands.submit();
     return gpu::download<CgScalars>(context, scalars);
   };
@@ -327,7 +335,7 @@ TEST_F(GpuDiffusionVectors, ReduceMovesTheScalarsOn) {
   EXPECT_NEAR(got[0].alpha, 4 / sums[0], 1e-5);
   EXPECT_EQ(got[1].alpha, 0);
   CgScalars near = going;
-  near.bb = 1e6f;  // goal 1e4, above the sums
+  near.target = near.tolerance, near.bb = 1e6f;  // goal 1e4, above the sums
   got = reduced({going, near}, DIFFUSION_REDUCE_RESIDUAL, values);
   EXPECT_NEAR(got[0].rr, sums[0], 1e-5 * sums[0]);
   EXPECT_EQ(got[0].iterations, 4);
