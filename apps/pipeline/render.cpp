@@ -54,7 +54,7 @@ void report_on(const Object& object, const Body& body, int channels, ObjectRepor
   report.domain = body.domain.summary;
   report.levels = static_cast<int>(body.diffusion->multigrid().levels().size());
   report.channels = channels;
-  if (body.gather) report.gather_level = body.gather->level();
+  if (body.gather) report.gather_level = body.gather->levels().mean();
   for (const std::string& warning : body.domain.warnings) result.warnings.push_back(object.name + ": " + warning);
   if (!report.solver.converged) result.warnings.push_back(object.name + ": " + report.solver.reason);
 }

@@ -23,7 +23,7 @@ struct ObjectReport {
   // W. in: from the lamps and the environment; out: for good, that is what leaves less what enters an object again.
   // The imbalance holds what was still under way between surfaces when the passes ended.
   EnergyBalance energy;
-  glm::dvec3 gather_level{1};  // GatherExit::level()
+  glm::dvec3 gather_level{1};  // GatherLevels::mean()
   glm::dvec3 reentered{0};    // W, of the light that left this object or another, or an opaque surface reflected
 };
 

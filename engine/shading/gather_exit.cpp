@@ -1,5 +1,7 @@
 #include "shading/gather_exit.h"
 
+#include <algorithm>
+
 #include "shading/straight.h"
 
 namespace alabaster {
@@ -15,6 +17,39 @@ GatherLevelPush push_of(std::uint32_t sides) {
   return {(sides + stride - 1) / stride, stride};
 }
 
+/// Where the sides k * stride are.
+std::vector<GatherPlace> places_of(const std::vector<GpuCutCell>& cut_cells, GatherLevelPush push) {
+  std::vector<GatherPlace> places(push.count);
+  for (std::uint32_t k = 0; k < push.count; ++k) {
+    const std::uint32_t entry = k * push.stride;
+    const GpuCutCell& cut = cut_cells[entry / 2];
+    const glm::vec3 vector = cut.side[entry % 2].area_vector;
+    const float size = glm::length(vector);
+    places[k] = {glm::vec3(cut.cell) + cut.side[entry % 2].centre, size > 0 ? vector / size : glm::vec3(0, 0, 1), {}};
+  }
+  return places;
+}
+
+std::vector<GatherGrid> gather_grid(GatherGrid grid, float level_edge) {
+  grid.level_edge = level_edge;
+  return {grid};
+}
+
+/// Cells in GATHER_LEVEL_REACH mean free paths of the medium, on the mean over its cells and channels.
+float level_edge(gpu::Context& context, const Domain& domain, const Diffusion& diffusion) {
+  const glm::ivec3 n = domain.frame.cells;
+  const std::vector<float> volume = gpu::download<float>(context, domain.volume),
+                           kappa = gpu::download<float>(context, diffusion.kappa());
+  double paths = 0, cells = 0;  // 3 kappa, summed
+  for (std::size_t i = 0; i < kappa.size(); ++i) {
+    const double inside = volume[i % volume.size()];
+    cells += inside;
+    paths += inside * 3 * kappa[i] * diffusion.kappa_scale()[static_cast<int>(i / volume.size())];
+  }
+  const double reach = cells > 0 ? GATHER_LEVEL_REACH * paths / cells / domain.frame.h : 0;
+  return static_cast<float>(std::clamp<double>(reach, GATHER_LEAST_LEVEL_EDGE, std::max({n.x, n.y, n.z})));
+}
+
 }  // namespace
 
 GatherExit::GatherExit(gpu::Context& context, const Domain& domain, const Diffusion& diffusion, const BeamSource& beam,
@@ -25,13 +60,14 @@ GatherExit::GatherExit(gpu::Context& context, const Domain& domain, const Diffus
       beam_(beam),
       rays_(rays),
       push_(push_of(2 * (domain.summary.cut_cells + 1))),
+      places_(places_of(gpu::download<GpuCutCell>(context, domain.cut_cells), push_)),
+      edge_(level_edge(context, domain, diffusion)),
       fluence_pass_(context, "shading/beam_fluence.comp"),
       spread_pass_(context, "shading/spread_facets.comp"),
       level_pass_(context, "shading/gather_level.comp"),
       linear_(context, gpu::Filter::linear),
-      grid_(gpu::make_buffer(context, std::vector<GatherGrid>{ray_grid(domain, diffusion, eta)}, "gather grid")),
+      grid_(gpu::make_buffer(context, gather_grid(ray_grid(domain, diffusion, eta), edge_), "gather grid")),
       fluxes_(context, push_.count * sizeof(GatherFlux), "gather fluxes", gpu::Memory::host),
-      level_buffer_(context, sizeof(glm::vec3), "gather level", gpu::Memory::host),
       fluence_(cell_image(context, domain, "beam fluence")),
       near_{cell_image(context, domain, "near light, up"), cell_image(context, domain, "near light, down")} {}
 
@@ -51,7 +87,7 @@ gpu::Bindings GatherExit::ray_bindings() const {
 
 gpu::Bindings GatherExit::picture_bindings() const {
   gpu::Bindings bindings = ray_bindings();
-  bindings.push_back({"level", level_buffer_});
+  bindings.push_back({"levels", level_image_, linear_});
   return bindings;
 }
 
@@ -80,13 +116,12 @@ void GatherExit::update() {
   }
   commands.submit();
   const auto* fluxes = static_cast<const GatherFlux*>(fluxes_.mapped());
-  glm::dvec3 wanted(0), gathered(0);
-  for (std::uint32_t k = 0; k < push_.count; ++k) {
-    wanted += glm::dvec3(fluxes[k].wanted);
-    gathered += glm::dvec3(fluxes[k].gathered);
-  }
-  for (int c = 0; c < 3; ++c) level_[c] = gathered[c] > 0 ? wanted[c] / gathered[c] : 1;
-  *static_cast<glm::vec3*>(level_buffer_.mapped()) = glm::vec3(level_);
+  for (std::uint32_t k = 0; k < push_.count; ++k) places_[k].flux = fluxes[k];
+  levels_.emplace(domain_.frame.cells, edge_, places_);
+  const glm::ivec3 nodes = levels_->nodes();
+  level_image_ =
+      gpu::image3d(context_, {nodes.x, nodes.y, 6 * nodes.z}, VK_FORMAT_R32G32B32A32_SFLOAT, "gather levels");
+  gpu::upload(context_, level_image_, levels_->texels());
 }
 
 }  // namespace alabaster

@@ -1,12 +1,14 @@
-// The exit of `--transport gather`: radiance gathered along the refracted view ray, its level set by the
-// flux that the diffusion equation sends out of all the object. So the diffusion equation keeps the energy, and the
-// gather says where and in which direction light leaves: where the medium changes within a mean free path it knows
-// better.
+// The exit of `--transport gather`: radiance gathered along the refracted view ray, its level set by the flux that the
+// diffusion equation sends out around (gather_levels.h). So the diffusion equation keeps the energy, and the gather
+// says where and in which direction light leaves: where the medium changes within a mean free path it knows better.
 #pragma once
+
+#include <optional>
 
 #include "diffusion/diffusion.h"
 #include "lighting/beam_source.h"
 #include "lighting/ray_tree.h"
+#include "shading/gather_levels.h"
 #include "shared/gather.h"
 
 namespace alabaster {
@@ -16,11 +18,11 @@ class GatherExit {
   GatherExit(gpu::Context& context, const Domain& domain, const Diffusion& diffusion, const BeamSource& beam,
              const DeviceRayTree& rays, double eta);
 
-  /// After the solve: beams' fluence and the object's level (stage "gather levels").
+  /// After the solve: beams' fluence and the levels (stage "gather levels").
   void update();
 
-  /// Flux that the diffusion equation sends out over the flux that the gather does at level 1.
-  glm::dvec3 level() const { return level_; }
+  /// Of the last update.
+  const GatherLevels& levels() const { return *levels_; }
 
   /// phi_b of what beams scatter in the cells, W/m^2; what they scatter near the facets of side 0 or 1, W/m^2, and its
   /// mean cosine; GatherFlux of the sides k * stride().
@@ -41,11 +43,13 @@ class GatherExit {
   const BeamSource& beam_;
   const DeviceRayTree& rays_;
   GatherLevelPush push_;
+  std::vector<GatherPlace> places_;  // those asked
+  float edge_;                       // of the levels, cells
   gpu::Pass fluence_pass_, spread_pass_, level_pass_;
   gpu::Sampler linear_;
-  gpu::Buffer grid_, fluxes_, level_buffer_;
-  gpu::Image fluence_, near_[2];
-  glm::dvec3 level_{1};
+  gpu::Buffer grid_, fluxes_;
+  gpu::Image fluence_, near_[2], level_image_;
+  std::optional<GatherLevels> levels_;
 };
 
 }  // namespace alabaster

@@ -17,6 +17,7 @@ GatherGrid ray_grid(const Domain& domain, const Diffusion& diffusion, double eta
                   static_cast<float>(eta),
                   static_cast<float>(optics.A),
                   static_cast<float>(optics.f_dt),
+                  1,
                   {}};
   const std::vector<glm::vec2> closures = gather_closures(eta);
   std::copy(closures.begin(), closures.end(), grid.closure);

@@ -6,7 +6,7 @@
 ALABASTER_BEGIN_SHARED
 
 // Of the facet's hemisphere: rings of equal flux, directions a ring.
-#define GATHER_RINGS 3
+#define GATHER_RINGS 5
 #define GATHER_SECTORS 4
 // Optical depth at which a ray is deep enough.
 #define GATHER_DEEP 5.0
@@ -18,6 +18,9 @@ ALABASTER_BEGIN_SHARED
 
 // Sides of facets, at most, that are asked what the gather sends out there.
 #define GATHER_ASKED 8192
+// Levels: their nodes are that many mean free paths apart, and at least so many cells.
+#define GATHER_LEVEL_REACH 4.0
+#define GATHER_LEAST_LEVEL_EDGE 8.0
 // Entries of the closure's table, to this 1 - a' at most.
 #define GATHER_CLOSURES 17
 #define GATHER_MOST_ABSORBED 0.3
@@ -29,6 +32,7 @@ struct GatherGrid {
   float h;           // m
   vec3 kappa_scale;  // m
   float eta, A, f_dt;
+  float level_edge;  // h, between nodes of the levels
   vec2 closure[GATHER_CLOSURES];  // engine/shading/gather_closure.h
 };
 
