@@ -7,7 +7,7 @@ namespace {
 
 // The passes end when the next one, settle()'s, will change what surfaces send each other by less than this share of
 // the light.
-constexpr double exchange_tolerance = 9e-5;
+constexpr double exchange_tolerance = 2e-5;
 // The solver's residual in a pass, of the change in the pass before.
 constexpr double residual_share = 0.05;
 

@@ -1,7 +1,6 @@
 #include "shading/shading.h"
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
+#include <tbb/task_group.h>
 
 #include <algorithm>
 #include <cmath>
@@ -169,10 +168,12 @@ ShadedPicture planes(gpu::Context& context, const Sums& sums, glm::ivec2 size, b
   picture.width = size.x;
   picture.height = size.y;
   const std::size_t n = std::size_t(size.x) * std::size_t(size.y);
+  tbb::task_group tasks;
   const auto fill = [&](const std::string& name, auto value) {
-    std::vector<float>& plane = picture.plane(name);
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, n), [&](const auto& part) {
-      for (std::size_t i = part.begin(); i < part.end(); ++i) plane[i] = value(i);
+    std::vector<float>& plane = picture.channels[name];  // it stays where it is when others are added
+    tasks.run([&plane, n, value] {
+      plane.resize(n);
+      for (std::size_t i = 0; i < n; ++i) plane[i] = value(i);
     });
   };
   const auto mean = [](float sum, float share) { return share > 0 ? sum / share : 0.0f; };
@@ -180,13 +181,13 @@ ShadedPicture planes(gpu::Context& context, const Sums& sums, glm::ivec2 size, b
   const char* const xyz[] = {"N.X", "N.Y", "N.Z"};
   for (int c = 0; c < 3; ++c) {
     const std::string channel = rgb[c];
-    fill(channel, [&](std::size_t i) { return multiple[i][c] + single[i][c] + surface[i][c]; });
-    fill("multiple." + channel, [&](std::size_t i) { return multiple[i][c] + (with_single ? 0 : single[i][c]); });
-    if (with_single) fill("single." + channel, [&](std::size_t i) { return single[i][c]; });
-    fill("surface." + channel, [&](std::size_t i) { return surface[i][c]; });
-    fill("fluence." + channel, [&](std::size_t i) { return mean(fluence[i][c], multiple[i].a); });
-    fill("gamma_s." + channel, [&](std::size_t i) { return mean(gamma_s[i][c], multiple[i].a); });
-    fill(xyz[c], [&](std::size_t i) { return mean(normals[i][c], glm::length(glm::vec3(normals[i]))); });
+    fill(channel, [&, c](std::size_t i) { return multiple[i][c] + single[i][c] + surface[i][c]; });
+    fill("multiple." + channel, [&, c](std::size_t i) { return multiple[i][c] + (with_single ? 0 : single[i][c]); });
+    if (with_single) fill("single." + channel, [&, c](std::size_t i) { return single[i][c]; });
+    fill("surface." + channel, [&, c](std::size_t i) { return surface[i][c]; });
+    fill("fluence." + channel, [&, c](std::size_t i) { return mean(fluence[i][c], multiple[i].a); });
+    fill("gamma_s." + channel, [&, c](std::size_t i) { return mean(gamma_s[i][c], multiple[i].a); });
+    fill(xyz[c], [&, c](std::size_t i) { return mean(normals[i][c], glm::length(glm::vec3(normals[i]))); });
   }
   fill("Z", [&](std::size_t i) { return mean(fluence[i].a, gamma_s[i].a); });
   fill("object.Y", [&](std::size_t i) { return multiple[i].a; });
@@ -196,6 +197,7 @@ ShadedPicture planes(gpu::Context& context, const Sums& sums, glm::ivec2 size, b
     translucent += multiple[i].a > 0;
     result.negative_pixels += surface[i].a > 0;
   }
+  tasks.wait();
   if (translucent)
     result.negative_share = static_cast<double>(result.negative_pixels) / static_cast<double>(translucent);
   return result;
