@@ -97,7 +97,7 @@ std::unique_ptr<Interreflections> light_each_other(gpu::Context& context, const 
 /// `surfaces`, W: what enters by the facets' boundary source, from other surfaces.
 void solve(Body& body, glm::dvec3 surfaces, ObjectReport& report) {
   const FacetLight light = body.light->light();
-  report.solver = body.diffusion->solve(light);
+  report.solver = body.diffusion->solve(light, true);
   report.energy = body.diffusion->energy(light);
   if (body.light->beam()) add_beams(body.light->beam()->totals(), surfaces, report.energy);
   if (body.gather) body.gather->update();
@@ -229,7 +229,6 @@ RenderResult render_scene(gpu::Context& context, const Pipelines& pipelines, con
   begin_tree();
   end_tree();
   solve_all(context, scene, *lighting, plan, bodies, result);
-  for (const auto& body : bodies) body->diffusion->finish();
 
   Stage stage(result, "shade");
   Shading::Input input{scene,

@@ -85,9 +85,6 @@ Diffusion::Diffusion(gpu::Context& context, const DiffusionPasses& solver_passes
       multigrid_(context, solver_passes, domain.frame.cells, medium.channels, active_cells(context, domain),
                  options.multigrid),
       pcg_(context, solver_passes, multigrid_, options) {
-  const NearSurface near = find_near_surface(context, domain);
-  near_cells_ = gpu::make_buffer(context, near.cells, "cells near the surface");
-  cut_neighbours_ = gpu::make_buffer(context, near.neighbours, "cut cells around them");
   gpu::Commands commands(context);
   commands.fill(scales_);
   commands.submit();
@@ -123,11 +120,6 @@ void Diffusion::set_medium(MediumSamples medium) {
   commands.submit();
   multigrid_.set_up();
   if (history_) history_->forget();
-}
-
-void Diffusion::finish() {
-  history_.reset();
-  multigrid_.release();
 }
 
 void Diffusion::forget() {
@@ -196,12 +188,15 @@ void Diffusion::record_gradients(gpu::Commands& commands, const FacetLight& ligh
 
 void Diffusion::record_surface(gpu::Commands& commands, const FacetLight& light) {
   const auto scope = commands.time("diffusion surface");
-  if (!surface_cleared_)  // not before: the set-up is where memory peaks
+  if (!near_cells_) {  // not before: the set-up is where memory peaks
+    const NearSurface near = find_near_surface(context_, domain_);
+    near_cells_ = gpu::make_buffer(context_, near.cells, "cells near the surface");
+    cut_neighbours_ = gpu::make_buffer(context_, near.neighbours, "cut cells around them");
     for (int side = 0; side < 2; ++side) {
       commands.clear(surface_[side], {0, 0, 0, 1});
       commands.clear(surface_gamma_[side]);
     }
-  surface_cleared_ = true;
+  }
   commands.dispatch(passes_.carry, {cut_count_, multigrid_.channels(), 1},
                     {{"cut_index", domain_.cut_index},
                      {"cut_cells", domain_.cut_cells},
@@ -249,11 +244,11 @@ bool Diffusion::adopt_light(const FacetLight& light) {
 
 // The corrections converge about as fast as the solver does, so the early solves need no more digits than they bring.
 // Those of a solution that was nearly right are worth a pass.
-SolverStatus Diffusion::solve(const FacetLight& light) {
+SolverStatus Diffusion::solve(const FacetLight& light, bool last) {
   SolverStatus status;
-  int iterations = 0, last = options_.corrections;
+  int iterations = 0, corrections = options_.corrections;
   const bool warm = adopt_light(light);
-  for (int pass = 0; pass <= last; ++pass) {
+  for (int pass = 0; pass <= corrections; ++pass) {
     gpu::Commands commands(context_);
     if (pass == 0) record_rescale(commands);
     if (pass > 0) record_gradients(commands, light);
@@ -261,13 +256,17 @@ SolverStatus Diffusion::solve(const FacetLight& light) {
     commands.submit();
     if (history_ && pass == 0) history_->guess();
     const double reached = warm && pass == 0 ? well_begun : std::pow(10.0, -2 - pass);
-    status = pcg_.solve(std::max(options_.tolerance, pass == last ? 0 : reached),
-                        pass == last ? Pcg::Check::true_residual : Pcg::Check::recurrence);
+    status = pcg_.solve(std::max(options_.tolerance, pass == corrections ? 0 : reached),
+                        pass == corrections ? Pcg::Check::true_residual : Pcg::Check::recurrence);
     iterations += status.iterations;
-    if (warm && pass == 0 && status.began_at <= nearly_right) last = std::min(last, 1);
+    if (warm && pass == 0 && status.began_at <= nearly_right) corrections = std::min(corrections, 1);
   }
   status.iterations = iterations;
   if (history_ && status.converged) history_->add();
+  if (last) {
+    history_.reset();
+    multigrid_.release();
+  }
   gpu::Commands commands(context_);
   record_gradients(commands, light);
   record_surface(commands, light);

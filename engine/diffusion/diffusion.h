@@ -52,11 +52,9 @@ class Diffusion {
   /// Forgets what was solved before: the next solve starts from zero.
   void forget();
 
-  /// Frees the multigrid, most of the memory. What the last solve made can still be read; nothing can be solved again.
-  void finish();
-
-  /// Starts from the solution of before where there is one. Then makes surface() and surface_gamma().
-  SolverStatus solve(const FacetLight& light);
+  /// Starts from the solution of before where there is one. Then makes surface() and surface_gamma(). Where it is the
+  /// `last`, frees the multigrid, most of the memory, in between; nothing can be solved again.
+  SolverStatus solve(const FacetLight& light, bool last = false);
 
   /// One step of solve(), to the relative residual `tolerance`, for light that is not final yet: makes neither
   /// surface() nor surface_gamma().
@@ -110,7 +108,6 @@ class Diffusion {
   gpu::Buffer cell_sources_, face_fluxes_, facet_offsets_;
   SolverOptions options_;
   glm::dvec3 kappa_scale_{1};
-  bool surface_cleared_ = false;
   Multigrid multigrid_;
   Pcg pcg_;
   std::optional<SolutionHistory> history_;

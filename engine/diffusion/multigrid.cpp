@@ -124,7 +124,12 @@ LevelPush Multigrid::push(std::size_t l, float omega, float step) const {
 }
 
 void Multigrid::release() {
-  for (MultigridLevel& level : levels_) level = {};
+  for (MultigridLevel& level : levels_) {
+    MultigridLevel rest;
+    rest.cells = level.cells;
+    rest.bricks = std::move(level.bricks);
+    level = std::move(rest);
+  }
   pairs_ = {};
   kept_ = {};
   inverse_ = {};

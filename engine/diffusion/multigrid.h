@@ -54,7 +54,7 @@ class Multigrid {
   /// Builds everything below the finest stencil, which the caller has written, and finds its islands.
   void set_up();
 
-  /// Frees all images. Nothing but levels().size() and channels() may be asked for afterwards.
+  /// Frees all that the cycle and the set-up need; bricks stay. Neither can be asked for afterwards.
   void release();
 
   /// z = M r. Before: finest().b = r, finest().x = first_omega() * inverse_l1 * r. Leaves partial sums of r . z and

@@ -186,13 +186,24 @@ Sampler::~Sampler() { vkDestroySampler(context_.device(), sampler_, nullptr); }
 
 namespace {
 
-VkBufferImageCopy whole(const Image& image) {
+// Bytes of staging at once: a large image and its copy need not be there together.
+constexpr std::size_t piece_bytes = std::size_t(16) << 20;
+
+/// Planes of an image along z.
+struct Slab {
+  int first, count;
+};
+
+VkBufferImageCopy copy_of(const Image& image, Slab slab) {
+  const glm::uvec3 size(image.spec().size);
   VkBufferImageCopy copy{};
   copy.imageSubresource = {image.aspect(), 0, 0, image.spec().layers};
-  copy.imageExtent = {static_cast<std::uint32_t>(image.spec().size.x), static_cast<std::uint32_t>(image.spec().size.y),
-                      static_cast<std::uint32_t>(image.spec().size.z)};
+  copy.imageOffset = {0, 0, slab.first};
+  copy.imageExtent = {size.x, size.y, static_cast<std::uint32_t>(slab.count)};
   return copy;
 }
+
+Slab whole(const Image& image) { return {0, image.spec().size.z}; }
 
 template <class Resource>
 void expect_fits(const Resource& resource, std::size_t bytes) {
@@ -203,60 +214,70 @@ void record_copy(Commands& commands, const Buffer& from, const Buffer& to, std::
   const VkBufferCopy copy{0, 0, bytes};
   vkCmdCopyBuffer(commands.handle(), from.handle(), to.handle(), 1, &copy);
 }
-void record_copy(Commands& commands, const Buffer& from, const Image& to, std::size_t) {
-  const VkBufferImageCopy copy = whole(to);
+void record_copy(Commands& commands, const Buffer& from, const Image& to, Slab slab) {
+  const VkBufferImageCopy copy = copy_of(to, slab);
   vkCmdCopyBufferToImage(commands.handle(), from.handle(), to.handle(), VK_IMAGE_LAYOUT_GENERAL, 1, &copy);
 }
-void record_copy(Commands& commands, const Image& from, const Buffer& to, std::size_t) {
-  const VkBufferImageCopy copy = whole(from);
+void record_copy(Commands& commands, const Image& from, const Buffer& to, Slab slab) {
+  const VkBufferImageCopy copy = copy_of(from, slab);
   vkCmdCopyImageToBuffer(commands.handle(), from.handle(), VK_IMAGE_LAYOUT_GENERAL, to.handle(), 1, &copy);
 }
 
-template <class Resource>
-void upload_staged(Context& context, const Resource& to, const void* data, std::size_t bytes) {
-  expect_fits(to, bytes);
+template <class Resource, class Part>
+void put(Context& context, const Resource& to, Part part, const void* data, std::size_t bytes) {
   Buffer staging(context, bytes, "staging", Memory::staging);
   std::memcpy(staging.mapped(), data, bytes);
   Commands commands(context);
-  record_copy(commands, staging, to, bytes);
+  record_copy(commands, staging, to, part);
   commands.submit();
 }
 
-template <class Resource>
-Buffer staged(Context& context, const Resource& from, std::size_t bytes) {
-  expect_fits(from, bytes);
-  Buffer staging(context, from.bytes(), "staging", Memory::staging);
+template <class Resource, class Part>
+Buffer staged(Context& context, const Resource& from, Part part, std::size_t bytes) {
+  Buffer staging(context, bytes, "staging", Memory::staging);
   Commands commands(context);
-  record_copy(commands, from, staging, bytes);
+  record_copy(commands, from, staging, part);
   commands.barrier();
   commands.submit();
   return staging;
 }
 
-template <class Resource>
-void download_staged(Context& context, const Resource& from, void* data, std::size_t bytes) {
-  std::memcpy(data, staged(context, from, bytes).mapped(), bytes);
+/// Calls move(slab, first byte, bytes) for one part of the image after the other.
+template <class Move>
+void in_pieces(const Image& image, std::size_t bytes, Move move) {
+  if (bytes != image.bytes()) throw std::logic_error("an image is copied whole");
+  const Slab all = whole(image);
+  const std::size_t plane = bytes / all.count;
+  const int most = static_cast<int>(std::clamp(piece_bytes / plane, std::size_t(1), std::size_t(all.count)));
+  for (int z = 0; z < all.count; z += most) {
+    const Slab slab{z, std::min(most, all.count - z)};
+    move(slab, z * plane, slab.count * plane);
+  }
 }
 
 }  // namespace
 
-Buffer host_copy(Context& context, const Image& from) { return staged(context, from, from.bytes()); }
+Buffer host_copy(Context& context, const Image& from) { return staged(context, from, whole(from), from.bytes()); }
 
 void upload_bytes(Context& c, const Buffer& to, const void* data, std::size_t bytes) {
-  if (!to.mapped()) return upload_staged(c, to, data, bytes);
   expect_fits(to, bytes);
+  if (!to.mapped()) return put(c, to, bytes, data, bytes);
   std::memcpy(to.mapped(), data, bytes);
 }
 void upload_bytes(Context& c, const Image& to, const void* data, std::size_t bytes) {
-  upload_staged(c, to, data, bytes);
+  in_pieces(to, bytes, [&](Slab slab, std::size_t first, std::size_t size) {
+    put(c, to, slab, static_cast<const std::byte*>(data) + first, size);
+  });
 }
 void download_bytes(Context& c, const Buffer& from, void* data, std::size_t bytes) {
-  if (!from.mapped()) return download_staged(c, from, data, bytes);
   expect_fits(from, bytes);
-  std::memcpy(data, from.mapped(), bytes);
+  const Buffer staging = from.mapped() ? Buffer() : staged(c, from, bytes, bytes);
+  std::memcpy(data, from.mapped() ? from.mapped() : staging.mapped(), bytes);
 }
 void download_bytes(Context& c, const Image& from, void* data, std::size_t bytes) {
-  download_staged(c, from, data, bytes);
+  in_pieces(from, bytes, [&](Slab slab, std::size_t first, std::size_t size) {
+    std::memcpy(static_cast<std::byte*>(data) + first, staged(c, from, slab, size).mapped(), size);
+  });
 }
 
 }  // namespace alabaster::gpu
