@@ -45,8 +45,8 @@ MediumField contrasted(const twin::MaterialField& field) {
 /// kappa of independent values in blocks, log-normal: `contrast` between two standard deviations below and above.
 twin::MaterialField noise(double kappa, double contrast, double block) {
   return [=](glm::dvec3 p) {
-    const glm::ivec3 b = glm::ivec3(glm::floor(p / block)) + 1000;
-    std::mt19937 engine(std::uint32_t(b.x + 4001 * (b.y + 4001 * b.z)));
+    const glm::uvec3 b(glm::ivec3(glm::floor(p / block)) + 1000);
+    std::mt19937 engine(b.x + 4001 * (b.y + 4001 * b.z));
     engine.discard(3);
     std::normal_distribution<double> normal;
     return twin::Material{kappa * std::exp(0.25 * std::log(contrast) * normal(engine)), 0};

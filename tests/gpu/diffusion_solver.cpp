@@ -171,8 +171,8 @@ TEST_F(GpuDiffusion, NoiseOfCellsIsNamedAndSharpPartsAreNot) {
   const Mesh ball = icosphere(4, 0.5f);
   const double cell = choose_frame(bounds_of(ball), 24).h;
   const MediumField noise = [cell](glm::dvec3 p) {  // log-normal, contrast 1e8 between two deviations down and up
-    const glm::ivec3 b = glm::ivec3(glm::floor(p / cell)) + 1000;
-    std::mt19937 engine(std::uint32_t(b.x + 4001 * (b.y + 4001 * b.z)));
+    const glm::uvec3 b(glm::ivec3(glm::floor(p / cell)) + 1000);
+    std::mt19937 engine(b.x + 4001 * (b.y + 4001 * b.z));
     engine.discard(3);
     std::normal_distribution<double> normal;
     return scatterer(glm::dvec3(0.02 * std::exp(0.25 * std::log(1e8) * normal(engine))));
