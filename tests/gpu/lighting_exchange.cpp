@@ -1,4 +1,5 @@
 // Links from the sides of cut cells to what they see, and the gather along them, against double-precision twins.
+#include <numeric>
 #include <random>
 
 #include "domain/cut_cells.h"
@@ -42,6 +43,16 @@ glm::dvec3 direction(glm::dvec3 n, std::uint32_t entry, std::uint32_t k, std::ui
   return s * std::cos(angle) * across + s * std::sin(angle) * up + c * n;
 }
 
+/// bin_of() of lighting/link_order.comp.
+std::uint32_t part_of_sphere(glm::dvec3 way) {
+  int axis = 0;
+  for (int a = 1; a < 3; ++a)
+    if (std::abs(way[a]) > std::abs(way[axis])) axis = a;
+  const glm::ivec2 part(
+      glm::clamp(1.5 * glm::dvec2(way[(axis + 1) % 3], way[(axis + 2) % 3]) / std::abs(way[axis]) + 1.5, 0.0, 2.999));
+  return 9 * (2 * axis + (way[axis] < 0)) + 3 * part.x + part.y;
+}
+
 class LightingExchange : public GpuTest {
  protected:
   /// A torus and a ball above it, a grey plate below, a lamp.
@@ -66,6 +77,44 @@ class LightingExchange : public GpuTest {
     return {{0, torus_part.domain, torus_part.source, 1.4}, {2, ball_part.domain, ball_part.source, 1.2}};
   }
 };
+
+TEST_F(LightingExchange, RaysAreListedOnceAndPartByPart) {
+  std::vector<ExchangeSide> sides;
+  for (std::uint32_t entry = 2; entry < torus_part.receivers.size(); ++entry)
+    if (const float area = torus_part.cuts[entry / 2].side[entry % 2].area; area > 0) sides.push_back({entry, area});
+  const std::size_t rays = directions * sides.size();
+  const gpu::Buffer bins = gpu::make_buffer(context, std::vector<std::uint32_t>(2 * link_bins), "bins"),
+                    order = gpu::make_buffer(context, std::vector<std::uint32_t>(rays, ~0u), "order"),
+                    side_buffer = gpu::make_buffer(context, sides, "sides");
+  LinkPush push{};
+  push.sides = static_cast<std::uint32_t>(sides.size());
+  push.directions = directions;
+  gpu::Commands commands(context);
+  const gpu::Pass counting(context, "lighting/link_order.comp", {0}), listing(context, "lighting/link_order.comp", {1});
+  for (const gpu::Pass* pass : {&counting, &listing})
+    commands.dispatch(
+        *pass, {push.sides, directions, 1},
+        {{"sides", side_buffer}, {"receivers", torus_part.source.receivers()}, {"bins", bins}, {"order", order}}, push);
+  commands.submit();
+
+  const auto part = [&](std::uint32_t ray) {
+    const std::uint32_t entry = sides[ray / directions].entry;
+    return part_of_sphere(direction(torus_part.receivers[entry].normal, entry, ray % directions, directions));
+  };
+  std::vector<std::uint32_t> listed = gpu::download<std::uint32_t>(context, order), end(link_bins + 1);
+  listed.resize(rays);
+  for (std::uint32_t ray = 0; ray < rays; ++ray) ++end[part(ray) + 1];
+  std::partial_sum(end.begin(), end.end(), end.begin());
+  int elsewhere = 0;  // rays so near an edge between parts that rounding takes them across shift the parts behind, too
+  for (std::uint32_t i = 0; i < rays; ++i) {
+    ASSERT_LT(listed[i], rays) << i;
+    elsewhere += i + 8 < end[part(listed[i])] || i >= end[part(listed[i]) + 1] + 8;
+  }
+  EXPECT_LE(elsewhere, 8) << "of " << rays;
+  std::sort(listed.begin(), listed.end());
+  for (std::uint32_t i = 0; i < rays; ++i) ASSERT_EQ(listed[i], i);
+  EXPECT_GT(rays, 20000u);
+}
 
 TEST_F(LightingExchange, LinksEqualTwin) {
   const Exchange exchange(context, lit.scene, lit.lighting, bodies(), {directions});
