@@ -15,8 +15,9 @@ constexpr double margin = 1.25;  // cells
 }  // namespace
 
 GridFrame choose_frame(const Bounds& bounds, int cells_along_longest, int alignment_x) {
-  if (cells_along_longest < 8 || cells_along_longest > 1024) {
-    throw UserError("grid: " + std::to_string(cells_along_longest) + " cells asked for; choose 8 to 1024");
+  if (cells_along_longest < smallest_grid || cells_along_longest > largest_grid) {
+    throw UserError("grid: " + std::to_string(cells_along_longest) + " cells asked for; choose " +
+                    std::to_string(smallest_grid) + " to " + std::to_string(largest_grid));
   }
   glm::dvec3 size = glm::dvec3(bounds.high) - glm::dvec3(bounds.low);
   double longest = std::max({size.x, size.y, size.z});

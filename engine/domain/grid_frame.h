@@ -14,10 +14,12 @@ struct GridFrame {
   glm::vec3 origin{0};  // m, world; low corner of cell (0, 0, 0)
 };
 
+constexpr int smallest_grid = 4, largest_grid = 1024;  // cells along the longest side
+
 /// A frame of about `cells_along_longest` cells along the longest side of `bounds`, which it holds with a margin of at
 /// least 1.25 cells everywhere. The quarter keeps the faces of an axis-aligned box off the grid planes. cells.x is
-/// rounded up to a multiple of `alignment_x` (itself a multiple of 4). Throws UserError for fewer than 8 or more than
-/// 1024 cells and for bounds that are empty or not finite.
+/// rounded up to a multiple of `alignment_x` (itself a multiple of 4). Throws UserError for fewer cells than
+/// smallest_grid or more than largest_grid, and for bounds that are empty or not finite.
 GridFrame choose_frame(const Bounds& bounds, int cells_along_longest, int alignment_x = 4);
 
 /// The mesh's vertices in grid units ((p - origin) / h), each coordinate rounded to a multiple of lattice_step(), so

@@ -15,9 +15,6 @@ namespace {
 
 constexpr int most_pixels_of_a_small_picture = 320 * 240;
 
-constexpr int smallest_grid = 8;
-constexpr int largest_grid = 1024;
-
 const Camera& find_camera(const Scene& scene, const std::string& name) {
   if (name.empty()) return scene.cameras.front();
   std::string known;

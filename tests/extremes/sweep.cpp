@@ -246,8 +246,8 @@ TEST_F(Extremes, Shapes) {
 
 TEST_F(Extremes, Grids) {
   const Mesh mesh = transformed(box({1, 0.6f, 0.8f}, 2), rotation({1, 2, 3}, 23));
-  EXPECT_THROW(choose_frame(bounds_of(mesh), 4), UserError);  // says which grids there are
-  for (int grid : study() ? std::vector<int>{8, 9, 17, 33, 64, 100, 128} : std::vector<int>{8, 9, 33})
+  EXPECT_THROW(choose_frame(bounds_of(mesh), 3), UserError);  // says which grids there are
+  for (int grid : study() ? std::vector<int>{4, 5, 8, 9, 17, 33, 64, 100, 128, 192} : std::vector<int>{4, 5, 9, 33})
     expect({label("grid %g", grid), mesh, contrasted(log_smooth(0.02, 1e3)), grid});
   std::printf("worst: twin %.1e, imbalance %.1e\n", worst_twin, worst_imbalance);
 }
