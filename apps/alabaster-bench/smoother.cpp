@@ -23,8 +23,8 @@ void measure(gpu::Context& context, const Arguments& a, int grid, nlohmann::json
   MultigridLevel& level = multigrid.finest();
   gpu::Commands commands(context);
   for (int i = 0; i < a.sweeps; ++i)
-    commands.dispatch(passes.smooth[1], multigrid.threads(0),
-                      {{"bricks", multigrid.bricks().packed},
+    commands.dispatch(passes.smooth[1], multigrid.column_threads(),
+                      {{"bricks", multigrid.columns().packed},
                        {"stencil", level.stencil},
                        {"inverse_l1", level.inverse_l1},
                        {"pairs", multigrid.pairs()},

@@ -64,8 +64,8 @@ void SolutionHistory::blend(float step, const gpu::Image& x, const std::vector<g
 
 std::vector<double> SolutionHistory::energies(const gpu::Image& v) {
   gpu::Commands commands(context_);
-  commands.dispatch(passes_.apply_dot, multigrid_.threads(0),
-                    {{"bricks", multigrid_.bricks().packed},
+  commands.dispatch(passes_.apply_dot, multigrid_.column_threads(),
+                    {{"bricks", multigrid_.columns().packed},
                      {"stencil", multigrid_.finest().stencil},
                      {"x", v},
                      {"partials", pcg_.partials()},
@@ -74,8 +74,8 @@ std::vector<double> SolutionHistory::energies(const gpu::Image& v) {
   commands.submit();
   const std::vector<float> parts = gpu::download<float>(context_, pcg_.partials());
   std::vector<double> sums(multigrid_.channels());
-  for (std::size_t i = 0; i < sums.size() * pcg_.partials_per_channel(); ++i)
-    sums[i / pcg_.partials_per_channel()] += parts[i];
+  for (std::size_t i = 0; i < sums.size() * multigrid_.columns().count; ++i)
+    sums[i / multigrid_.columns().count] += parts[i];
   return sums;
 }
 

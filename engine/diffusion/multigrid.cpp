@@ -76,27 +76,11 @@ std::vector<std::uint8_t> coarser(glm::ivec3 n, const std::vector<std::uint8_t>&
 
 }  // namespace
 
-BrickList make_bricks(gpu::Context& context, glm::ivec3 n, const std::vector<std::uint8_t>& active) {
-  constexpr int width = 4 * DIFFUSION_BRICK_X, height = DIFFUSION_BRICK_Y, group = DIFFUSION_GROUP / 8;
-  const glm::ivec2 counts{(n.x + width - 1) / width, (n.y + height - 1) / height};
-  std::vector<std::uint32_t> list;
-  std::vector<std::uint8_t> held(std::size_t(counts.x) * counts.y);
-  for (int z = 0; z < n.z; ++z) {
-    std::fill(held.begin(), held.end(), std::uint8_t(0));
-    for (int y = 0; y < n.y; ++y)
-      for (int x = 0; x < n.x; ++x)
-        held[x / width + counts.x * (y / height)] |= active[x + std::size_t(n.x) * (y + std::size_t(n.y) * z)];
-    for (int b = 0; b < counts.x * counts.y; ++b)
-      if (held[b])
-        list.push_back(std::uint32_t(b % counts.x) | std::uint32_t(b / counts.x) << 10 | std::uint32_t(z) << 20);
-  }
-  while (list.empty() || list.size() % group != 0) list.push_back(DIFFUSION_NO_BRICK);
-  return {gpu::make_buffer(context, list, "diffusion bricks"), static_cast<int>(list.size())};
-}
-
 Multigrid::Multigrid(gpu::Context& context, const DiffusionPasses& passes, glm::ivec3 cells, int channels,
                      std::vector<std::uint8_t> active, const CycleOptions& options)
     : context_(context), passes_(passes), channels_(channels), options_(options) {
+  // Columns save a CPU work; a GPU wants threads more.
+  columns_ = make_columns(context, cells, active, context.info().kind == "CPU" ? DIFFUSION_COLUMN_BRICKS : 2);
   for (bool last = false; !last; cells = (cells + 1) / 2) {
     last = !levels_.empty() && cells.x * cells.y * cells.z <= options.direct_cells;
     MultigridLevel level;
@@ -118,6 +102,7 @@ Multigrid::Multigrid(gpu::Context& context, const DiffusionPasses& passes, glm::
 }
 
 glm::uvec3 Multigrid::threads(std::size_t l) const { return {levels_[l].bricks.count * 8, channels_, 1}; }
+glm::uvec3 Multigrid::column_threads() const { return {columns_.count * 8, channels_, 1}; }
 
 LevelPush Multigrid::push(std::size_t l, float omega, float step) const {
   return {levels_[l].cells, levels_[std::min(l + 1, levels_.size() - 1)].cells, omega, step};
@@ -255,8 +240,8 @@ void Multigrid::invert_coarsest() {
 void Multigrid::record_smooth(gpu::Commands& commands, std::size_t l, const gpu::Pass& pass, float omega,
                               const gpu::Image& from, const gpu::Image& to, const gpu::Buffer& partials) {
   const MultigridLevel& level = levels_[l];
-  commands.dispatch(pass, threads(l),
-                    {{"bricks", level.bricks.packed},
+  commands.dispatch(pass, walkers(l),
+                    {{"bricks", walked(l).packed},
                      {"stencil", level.stencil},
                      {"inverse_l1", level.inverse_l1},
                      {"pairs", pairs_},
@@ -308,8 +293,8 @@ const gpu::Image& Multigrid::record_visit(gpu::Commands& commands, std::size_t l
     std::swap(x, spare);
   };
   for (std::size_t s = 1; s < omegas_.size(); ++s) smooth(passes_.smooth[finest], omegas_[s]);
-  commands.dispatch(passes_.defect[finest], threads(l),  // r = b - A x
-                    {{"bricks", level.bricks.packed},
+  commands.dispatch(passes_.defect[finest], walkers(l),  // r = b - A x
+                    {{"bricks", walked(l).packed},
                      {"stencil", level.stencil},
                      {"inverse_l1", level.inverse_l1},
                      {"pairs", pairs_},

@@ -5,6 +5,7 @@
 
 #include <vector>
 
+#include "diffusion/bricks.h"
 #include "diffusion/deflation.h"
 #include "diffusion/smoothing.h"
 #include "gpu/commands.h"
@@ -24,15 +25,6 @@ struct DiffusionPasses {
 
 /// Factors of x += omega D^-1 (b - A x) that make `steps` such steps the Chebyshev iteration of [lowest, 1].
 std::vector<float> chebyshev_omegas(int steps, double lowest);
-
-/// The part of a level that holds cells: bricks (shared/diffusion.h), filled up to whole workgroups.
-struct BrickList {
-  gpu::Buffer packed;
-  int count = 0;
-};
-
-/// The bricks of a grid of n cells in which `active`, one value a cell, x fastest, is not zero.
-BrickList make_bricks(gpu::Context& context, glm::ivec3 n, const std::vector<std::uint8_t>& active);
 
 struct MultigridLevel {
   glm::ivec3 cells{0};
@@ -66,16 +58,22 @@ class Multigrid {
   float first_omega() const { return omegas_.front(); }
   int channels() const { return channels_; }
   const BrickList& bricks(std::size_t level = 0) const { return levels_[level].bricks; }
+  /// The finest level's bricks as columns, for the passes that walk up them: smooth, defect, apply_dot and start.
+  const BrickList& columns() const { return columns_; }
   const gpu::Image& pairs() const { return pairs_; }
   const Deflation& deflation() const { return deflation_; }
   int generation() const { return generation_; }  // how often it was set up
   /// Threads that cover a level by its bricks.
   glm::uvec3 threads(std::size_t level) const;
+  /// The same by columns().
+  glm::uvec3 column_threads() const;
 
  private:
   const gpu::Image& record_level(gpu::Commands& commands, std::size_t l, const gpu::Buffer& partials);
   const gpu::Image& record_visit(gpu::Commands& commands, std::size_t l, const gpu::Image& start,
                                  const gpu::Image& other, const gpu::Buffer& partials);
+  const BrickList& walked(std::size_t l) const { return l == 0 ? columns_ : bricks(l); }
+  glm::uvec3 walkers(std::size_t l) const { return l == 0 ? column_threads() : threads(l); }
   void record_smooth(gpu::Commands& commands, std::size_t l, const gpu::Pass& pass, float omega, const gpu::Image& from,
                      const gpu::Image& to, const gpu::Buffer& partials);
   LevelPush push(std::size_t l, float omega = 0, float step = 0) const;
@@ -89,6 +87,7 @@ class Multigrid {
   std::vector<float> omegas_, visits_;  // factors of the smoothing steps, and of the visits to the first coarse level
   gpu::Image kept_;                     // what the first of two visits brought
   std::vector<MultigridLevel> levels_;
+  BrickList columns_;
   gpu::Image pairs_;  // the finest stencil for the cycle: DIFFUSION_PAIRS along x
   gpu::Buffer inverse_;
   Deflation deflation_;

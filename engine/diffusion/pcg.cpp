@@ -23,9 +23,9 @@ Pcg::Pcg(gpu::Context& context, const DiffusionPasses& passes, Multigrid& multig
   commands.submit();
 }
 
-// `sum`: which of the sums that the pass before left.
-void Pcg::reduce(gpu::Commands& commands, int mode, int sum) {
-  const int channels = multigrid_.channels(), partials = partials_per_channel();
+// `list`: by what the pass before went; `sum`: which of the sums that it left.
+void Pcg::reduce(gpu::Commands& commands, int mode, const BrickList& list, int sum) {
+  const int channels = multigrid_.channels(), partials = list.count;
   commands.dispatch(passes_.reduce, {64 * channels, 1, 1}, {{"partials", partials_}, {"scalars", scalars_}},
                     ReducePush{partials, mode, sum * channels * partials});
 }
@@ -39,10 +39,9 @@ void Pcg::record() {
 // r = b - A (high + low), the first smoothing step of a cycle, and three sums: r . r, |D^-1 r|^2, |x|^2
 void Pcg::record_residual(gpu::Commands& commands) {
   MultigridLevel& level = multigrid_.finest();
-  const glm::uvec3 threads = multigrid_.threads(0);
   const LevelPush push{level.cells, level.cells, multigrid_.first_omega()};
-  commands.dispatch(passes_.start, threads,
-                    {{"bricks", multigrid_.bricks().packed},
+  commands.dispatch(passes_.start, multigrid_.column_threads(),
+                    {{"bricks", multigrid_.columns().packed},
                      {"stencil", level.stencil},
                      {"x", high_},
                      {"rest", low_},
@@ -79,7 +78,7 @@ void Pcg::record_start() {
   const auto scope = start_->time("diffusion residual");
   start_->dispatch(passes_.norm, threads,
                    {{"bricks", multigrid_.bricks().packed}, {"partials", partials_}, {"x", rhs_}}, push);
-  reduce(*start_, DIFFUSION_REDUCE_START);
+  reduce(*start_, DIFFUSION_REDUCE_START, multigrid_.bricks());
   record_residual(*start_);
   if (deflation.count() > 0) {  // x += Z E^-1 Z^T r
     record_islands(*start_, true, level.x);
@@ -92,9 +91,9 @@ void Pcg::record_start() {
                      push);
     record_residual(*start_);
   }
-  reduce(*start_, DIFFUSION_REDUCE_SCALED, 1);
-  reduce(*start_, DIFFUSION_REDUCE_SIZE, 2);
-  reduce(*start_, DIFFUSION_REDUCE_TRUE);
+  reduce(*start_, DIFFUSION_REDUCE_SCALED, multigrid_.columns(), 1);
+  reduce(*start_, DIFFUSION_REDUCE_SIZE, multigrid_.columns(), 2);
+  reduce(*start_, DIFFUSION_REDUCE_TRUE, multigrid_.columns());
 }
 
 void Pcg::record_batch() {
@@ -109,7 +108,7 @@ void Pcg::record_batch() {
   const auto scope = commands.time("diffusion iterations");
   for (int i = 0; i < options_.batch; ++i) {
     const gpu::Image& z = multigrid_.record_cycle(commands, partials_);  // z = M r
-    reduce(commands, DIFFUSION_REDUCE_BETA);                             // r . Z c = 0: z's lift adds nothing to r . z
+    reduce(commands, DIFFUSION_REDUCE_BETA, multigrid_.columns());       // r . Z c = 0: z's lift adds nothing to r . z
     if (deflated) record_islands(commands, false, z);
     commands.dispatch(passes_.direction[deflated], threads,
                       {{"bricks", bricks},
@@ -119,11 +118,14 @@ void Pcg::record_batch() {
                        {"z", z},
                        {"p", p_}},
                       push);
-    commands.dispatch(
-        passes_.apply_dot, threads,  // q = A p
-        {{"bricks", bricks}, {"stencil", level.stencil}, {"x", p_}, {"partials", partials_}, {"product", level.r}},
-        push);
-    reduce(commands, DIFFUSION_REDUCE_ALPHA);
+    commands.dispatch(passes_.apply_dot, multigrid_.column_threads(),  // q = A p
+                      {{"bricks", multigrid_.columns().packed},
+                       {"stencil", level.stencil},
+                       {"x", p_},
+                       {"partials", partials_},
+                       {"product", level.r}},
+                      push);
+    reduce(commands, DIFFUSION_REDUCE_ALPHA, multigrid_.columns());
     commands.dispatch(passes_.update, threads,
                       {{"bricks", bricks},
                        {"partials", partials_},
@@ -136,7 +138,7 @@ void Pcg::record_batch() {
                        {"r", level.b},
                        {"z", level.x}},
                       push);
-    reduce(commands, DIFFUSION_REDUCE_RESIDUAL);
+    reduce(commands, DIFFUSION_REDUCE_RESIDUAL, multigrid_.bricks());
   }
 }
 

@@ -50,6 +50,7 @@ class Pcg {
   gpu::Image& solution() { return high_; }      // x, to single precision
   gpu::Image& solution_rest() { return low_; }  // x = solution + rest is what the residual is computed from
   const gpu::Buffer& partials() const { return partials_; }
+  /// How many partial sums a pass leaves that goes by bricks.
   int partials_per_channel() const { return multigrid_.bricks().count; }
 
  private:
@@ -58,7 +59,7 @@ class Pcg {
   void record_residual(gpu::Commands& commands);
   void record_islands(gpu::Commands& commands, bool start, const gpu::Image& z);
   void record_batch();
-  void reduce(gpu::Commands& commands, int mode, int sum = 0);
+  void reduce(gpu::Commands& commands, int mode, const BrickList& list, int sum = 0);
   std::vector<CgScalars> scalars() const;
   bool converged_by_recurrence(SolverStatus& status) const;
 

@@ -7,21 +7,37 @@ struct Star {
   vec4 own, left, right, down, up, below, above;
 };
 
-Star star_of_x(ivec3 t) {
-  vec4 own = imageLoad(x, t);
-  return Star(own, shifted_left(imageLoad(x, t - step_x), own), shifted_right(own, imageLoad(x, t + step_x)),
-              imageLoad(x, t - step_y), imageLoad(x, t + step_y), imageLoad(x, t - step_z), imageLoad(x, t + step_z));
+// Of three layers the one in the middle is the texel's own.
+struct Layers {
+  vec4 below, own, above;
+};
+
+Star star_of_x(ivec3 t, Layers z) {
+  return Star(z.own, shifted_left(imageLoad(x, t - step_x), z.own), shifted_right(z.own, imageLoad(x, t + step_x)),
+              imageLoad(x, t - step_y), imageLoad(x, t + step_y), z.below, z.above);
 }
 
-vec4 apply_to(Star s, ivec3 t) {
-  vec4 face_x = coefficient(0, t), y = coefficient(DIFFUSION_REACTION, t) * s.own;
-  y += face_x * (s.own - s.left) + shifted_right(face_x, coefficient(0, t + step_x)) * (s.own - s.right);
-  y += coefficient(1, t) * (s.own - s.down) + coefficient(1, t + step_y) * (s.own - s.up);
-  y += coefficient(2, t) * (s.own - s.below) + coefficient(2, t + step_z) * (s.own - s.above);
-  return y;
+// The finest stencil at a texel; whoever walks up a column takes face_above on as face_below.
+struct Faces {
+  vec4 left, right, down, up, below, above, reaction;
+};
+
+Faces faces_of(ivec3 t, vec4 below) {
+  vec4 left = coefficient(0, t);
+  return Faces(left, shifted_right(left, coefficient(0, t + step_x)), coefficient(1, t), coefficient(1, t + step_y),
+               below, coefficient(2, t + step_z), coefficient(DIFFUSION_REACTION, t));
 }
 
-vec4 apply_finest(ivec3 t) { return apply_to(star_of_x(t), t); }
+vec4 apply_to(Star s, Faces f) {
+  vec4 y = f.reaction * s.own + f.left * (s.own - s.left) + f.right * (s.own - s.right);
+  y += f.down * (s.own - s.down) + f.up * (s.own - s.up);
+  return y + f.below * (s.own - s.below) + f.above * (s.own - s.above);
+}
+
+vec4 apply_finest(ivec3 t) {
+  Layers z = Layers(imageLoad(x, t - step_z), imageLoad(x, t), imageLoad(x, t + step_z));
+  return apply_to(star_of_x(t, z), faces_of(t, coefficient(2, t)));
+}
 
 // Of the cells in one row of texels: those to the left, above or below, to the right, less `centre`.
 struct Row3 {

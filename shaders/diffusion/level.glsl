@@ -26,6 +26,19 @@ ivec3 texel_of(int layers) {
 }
 ivec3 texel_here() { return texel_of(push.cells.z); }
 
+// Where the pass goes by columns: the lowest texel, and of how many layers.
+struct Column {
+  ivec3 texel;
+  int layers;
+};
+
+Column column_here() {
+  uint column = bricks[gl_GlobalInvocationID.x >> 3], lane = gl_GlobalInvocationID.x & 7;
+  ivec3 corner = ivec3((column & 127u) * DIFFUSION_BRICK_X, (column >> 7 & 255u) * DIFFUSION_BRICK_Y, column >> 15 & 1023u);
+  ivec3 lanes = ivec3(lane % DIFFUSION_BRICK_X, lane / DIFFUSION_BRICK_X, channel_here() * push.cells.z);
+  return Column(corner + lanes, int(column >> 25));
+}
+
 // The four cells one to the left or right of a texel's own.
 vec4 shifted_left(vec4 before, vec4 own) { return vec4(before.w, own.xyz); }
 vec4 shifted_right(vec4 own, vec4 after) { return vec4(own.yzw, after.x); }

@@ -11,17 +11,16 @@ struct Applied {
   vec4 centre, product, inverse_l1;  // x, A x and D^-1 at the texel
 };
 
-Applied apply_packed(ivec3 t) {
-  vec4 own = imageLoad(x, t);
+Applied apply_packed(ivec3 t, Layers z) {
+  vec4 own = z.own;
   uvec4 along_x = pair(0, t), along_y = pair(1, t), along_z = pair(2, t), rest = pair(3, t);
   vec4 y = low(rest) * own + low(along_x) * (own - shifted_left(imageLoad(x, t - step_x), own));
   y += high(along_x) * (own - shifted_right(own, imageLoad(x, t + step_x)));
   y += low(along_y) * (own - imageLoad(x, t - step_y)) + high(along_y) * (own - imageLoad(x, t + step_y));
-  y += low(along_z) * (own - imageLoad(x, t - step_z)) + high(along_z) * (own - imageLoad(x, t + step_z));
+  y += low(along_z) * (own - z.below) + high(along_z) * (own - z.above);
   return Applied(own, y, high(rest));
 }
 
-Applied apply_in_cycle(ivec3 t) {
-  if (finest != 0) return apply_packed(t);
+Applied apply_on_coarse(ivec3 t) {
   return Applied(imageLoad(x, t), apply_coarse(t), imageLoad(inverse_l1, t));
 }

@@ -10,7 +10,7 @@ layout(binding = 7, rgba32f) uniform writeonly image3D kept;
 
 void main() {
   ivec3 t = texel_here();
-  Applied a = apply_in_cycle(t);
+  Applied a = apply_on_coarse(t);
   vec4 left = imageLoad(b, t) - push.step * a.product;
   imageStore(kept, t, push.step * a.centre);
   imageStore(b, t, left);

@@ -41,6 +41,9 @@
 #define DIFFUSION_BRICK_X 2
 #define DIFFUSION_BRICK_Y 4
 #define DIFFUSION_NO_BRICK 0xffffffffu
+// On the finest level passes with a stencil walk up columns of bricks, which keeps three layers at hand: x | y << 7 |
+// z << 15 of the lowest brick | bricks << 25. None where there are no bricks.
+#define DIFFUSION_COLUMN_BRICKS 16
 // Invocations of a workgroup, eight a brick. Dot products: each subgroup (of 8 or more) leaves one partial sum, for which
 // there is room for one a brick.
 #define DIFFUSION_GROUP 128

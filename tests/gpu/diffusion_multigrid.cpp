@@ -38,7 +38,7 @@ TEST_F(GpuMultigrid, BricksHoldEveryActiveCellAndNoOther) {
   std::vector<std::uint8_t> active(std::size_t(n.x) * n.y * n.z);
   std::set<std::uint32_t> expected;
   for (std::size_t i = 0; i < active.size(); ++i) {
-    active[i] = random() % 97 == 0;
+    active[i] = random() % 47 == 0;
     const glm::ivec3 brick = glm::ivec3(i % n.x, i / n.x % n.y, i / n.x / n.y) / width;
     if (active[i]) expected.insert(std::uint32_t(brick.x | brick.y << 10 | brick.z << 20));
   }
@@ -49,6 +49,17 @@ TEST_F(GpuMultigrid, BricksHoldEveryActiveCellAndNoOther) {
   std::erase(listed, std::uint32_t(DIFFUSION_NO_BRICK));
   EXPECT_EQ(std::set<std::uint32_t>(listed.begin(), listed.end()), expected);
   EXPECT_EQ(listed.size(), expected.size());
+
+  const BrickList columns = make_columns(context, n, active, 4);
+  EXPECT_EQ(columns.count * 8 % DIFFUSION_GROUP, 0);
+  std::multiset<std::uint32_t> walked;
+  for (const std::uint32_t column : gpu::download<std::uint32_t>(context, columns.packed)) {
+    const std::uint32_t lowest = column >> 15 & 1023, layers = column >> 25;
+    EXPECT_LE(layers, 4u);
+    for (std::uint32_t z = lowest; z < lowest + layers; ++z)
+      walked.insert((column & 127) | (column >> 7 & 255) << 10 | z << 20);
+  }
+  EXPECT_EQ(walked, (std::multiset<std::uint32_t>(expected.begin(), expected.end())));
 }
 
 TEST_F(GpuMultigrid, HierarchyEqualsTwin) {

@@ -40,10 +40,9 @@ class GpuDiffusionVectors : public GpuTest {
     const std::vector<float> all = gpu::download<float>(context, multigrid.levels()[l].inverse_l1);
     return unpack(all, matrix(l, 0).grid, 0, 1, channel);
   }
-  /// Of a channel; a pass's next sums follow after both channels' first.
-  void expect_sum(int place, double wanted, const char* name) {
+  /// Of a channel; a pass's next sums follow after both channels' first. `each`: as many partial sums a channel.
+  void expect_sum(int place, double wanted, const char* name, std::size_t each) {
     const std::vector<float> all = gpu::download<float>(context, partials);
-    const std::size_t each = multigrid.bricks().count;
     double sum = 0;
     for (std::size_t i = 0; i < each; ++i) sum += all[place * each + i];
     EXPECT_NEAR(sum, wanted, close * std::abs(wanted) + 1e-4) << name << ", " << place;
@@ -51,9 +50,11 @@ class GpuDiffusionVectors : public GpuTest {
   void run(const gpu::Pass& pass, std::size_t l, std::vector<gpu::Binding> bindings, float omega = 0,
            std::size_t threads_of = 0) {
     const std::size_t coarse = std::min(l + 1, multigrid.levels().size() - 1);
-    bindings.push_back({"bricks", multigrid.bricks(l + threads_of).packed});
+    const bool walks = &pass == &passes.smooth[1] || &pass == &passes.smooth_dot || &pass == &passes.defect[1] ||
+                       &pass == &passes.apply_dot || &pass == &passes.start;
+    bindings.push_back({"bricks", walks ? multigrid.columns().packed : multigrid.bricks(l + threads_of).packed});
     gpu::Commands commands(context);
-    commands.dispatch(pass, multigrid.threads(l + threads_of), bindings,
+    commands.dispatch(pass, walks ? multigrid.column_threads() : multigrid.threads(l + threads_of), bindings,
                       LevelPush{multigrid.levels()[l].cells, multigrid.levels()[coarse].cells, omega});
     commands.submit();
   }
@@ -107,7 +108,7 @@ TEST_F(GpuDiffusionVectors, SmoothDefectAndResidualEqualTwin) {
       for (std::size_t i = 0; i < r.size(); ++i) s[i] += double(0.7f) * inverse[i] * r[i];
       expect(defect, l, c, r, "defect");
       expect(smoothed, l, c, s, "smooth");
-      if (l == 0) expect_sum(c, twin::dot(b[c], s), "smooth");
+      if (l == 0) expect_sum(c, twin::dot(b[c], s), "smooth", multigrid.columns().count);
     }
   }
 }
@@ -176,7 +177,7 @@ TEST_F(GpuDiffusionVectors, StepsOfTheConjugateGradientsEqualTwin) {
   const gpu::Image on_x = image(0, x), on_p = image(0, p), on_b = image(0, b);
 
   run(passes.norm, 0, {{"partials", partials}, {"x", on_x}});
-  for (int c = 0; c < 2; ++c) expect_sum(c, twin::dot(x[c], x[c]), "norm");
+  for (int c = 0; c < 2; ++c) expect_sum(c, twin::dot(x[c], x[c]), "norm", multigrid.bricks().count);
 
   const gpu::Image product = image(0, x);
   run(passes.apply_dot, 0, {{"stencil", level.stencil}, {"x", on_p}, {"partials", partials}, {"product", product}});
@@ -184,7 +185,7 @@ TEST_F(GpuDiffusionVectors, StepsOfTheConjugateGradientsEqualTwin) {
   for (int c = 0; c < 2; ++c) {
     matrix(0, c).apply(p[c], q[c]);
     expect(product, 0, c, q[c], "apply_dot");
-    expect_sum(c, twin::dot(p[c], q[c]), "apply_dot");
+    expect_sum(c, twin::dot(p[c], q[c]), "apply_dot", multigrid.columns().count);
   }
 
   const gpu::Image residual = image(0, x), z = image(0, x), on_rest = image(0, p);  // as large as x
@@ -203,12 +204,12 @@ TEST_F(GpuDiffusionVectors, StepsOfTheConjugateGradientsEqualTwin) {
     matrix(0, c).apply(x[c], r);
     for (std::size_t i = 0; i < r.size(); ++i) r[i] = b[c][i] - r[i] - q[c][i];
     expect(residual, 0, c, r, "start");
-    expect_sum(c, twin::dot(r, r), "start");
+    expect_sum(c, twin::dot(r, r), "start", multigrid.columns().count);
     first = r;
     const twin::Vector inverse = inverse_l1(0, c);
     for (std::size_t i = 0; i < r.size(); ++i) first[i] *= inverse[i];
-    expect_sum(2 + c, twin::dot(first, first), "start's scaled residual");
-    expect_sum(4 + c, twin::dot(x[c], x[c]), "start's x . x");
+    expect_sum(2 + c, twin::dot(first, first), "start's scaled residual", multigrid.columns().count);
+    expect_sum(4 + c, twin::dot(x[c], x[c]), "start's x . x", multigrid.columns().count);
     for (double& v : first) v *= double(0.8f);
     expect(z, 0, c, first, "start's smoothing");
   }
@@ -232,7 +233,7 @@ TEST_F(GpuDiffusionVectors, StepsOfTheConjugateGradientsEqualTwin) {
     for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += alpha * p[c][i], rest[i] -= alpha * q[c][i];
     expect(high, 0, c, sum, "update");
     expect(r, 0, c, rest, "update's residual");
-    expect_sum(c, twin::dot(rest, rest), "update");
+    expect_sum(c, twin::dot(rest, rest), "update", multigrid.bricks().count);
     smoothed = rest;
     const twin::Vector inverse = inverse_l1(0, c);
     for (std::size_t i = 0; i < sum.size(); ++i) smoothed[i] *= double(0.8f) * inverse[i];
