@@ -35,8 +35,14 @@ gpu::Image surface_image(gpu::Context& context, const Domain& domain, const std:
 
 }  // namespace
 
+gpu::Image cut_table(gpu::Context& context, std::size_t count, int layers, const std::string& name) {
+  const int rows = static_cast<int>((count + DIFFUSION_TABLE_WIDTH - 1) / DIFFUSION_TABLE_WIDTH);
+  return gpu::image3d(context, {DIFFUSION_TABLE_WIDTH, rows, layers}, VK_FORMAT_R32G32B32A32_SFLOAT, name);
+}
+
 FluencePasses::FluencePasses(gpu::Context& c)
-    : assemble{c, "diffusion/operator.comp", {1}},
+    : points{c, "diffusion/points.comp"},
+      assemble{c, "diffusion/operator.comp", {1}},
       scale{c, "diffusion/scale.comp"},
       facets{{c, "diffusion/facets.comp", {0}}, {c, "diffusion/facets.comp", {1}}},
       source{{{c, "diffusion/source.comp", {1, 0, 0}}, {c, "diffusion/source.comp", {1, 0, 1}}},
@@ -71,12 +77,13 @@ Diffusion::Diffusion(gpu::Context& context, const DiffusionPasses& solver_passes
                surface_image(context, domain, "surface fluence, down")},
       surface_gamma_{surface_image(context, domain, "surface Gamma_s, up"),
                      surface_image(context, domain, "surface Gamma_s, down")},
-      lines_(context, std::size_t(2) * medium.channels * cut_count_ * sizeof(glm::vec4), "surface lines"),
-      side_lights_(context, std::size_t(2) * cut_count_ * sizeof(glm::vec4), "surface lights"),
+      points_(cut_table(context, cut_count_, DIFFUSION_POINT_LAYERS, "points of the surface")),
+      lines_(cut_table(context, cut_count_, 2 * medium.channels, "surface lines")),
+      side_lights_(cut_table(context, cut_count_, 2, "surface lights")),
+      gradients_(cut_table(context, cut_count_, medium.channels, "surface gradients")),
       facets_(context, cut_count_ * sizeof(FacetMedium), "facet medium"),
       conductances_(context, std::size_t(medium.channels) * cut_count_ * sizeof(float), "facet conductances"),
       scales_(context, medium.channels * sizeof(FluenceScale), "fluence scales", gpu::Memory::host),
-      gradients_(context, std::size_t(medium.channels) * cut_count_ * sizeof(glm::vec4), "surface gradients"),
       energy_sums_(context, medium.channels * sizeof(EnergySums), "energy sums", gpu::Memory::host),
       cell_sources_(context, std::size_t(medium.channels) * cut_count_ * sizeof(float), "cut cell sources"),
       face_fluxes_(context, std::size_t(medium.channels) * cut_count_ * 6 * sizeof(float), "face corrections"),
@@ -87,6 +94,9 @@ Diffusion::Diffusion(gpu::Context& context, const DiffusionPasses& solver_passes
       pcg_(context, solver_passes, multigrid_, options) {
   gpu::Commands commands(context);
   commands.fill(scales_);
+  commands.dispatch(passes_.points, {cut_count_, 1, 1},
+                    {{"cut_index", domain_.cut_index}, {"cut_cells", domain_.cut_cells}, {"points", points_}},
+                    surface_push());
   commands.submit();
   if (options.history) history_.emplace(context, solver_passes, multigrid_, pcg_);
   set_medium(std::move(medium));
@@ -145,6 +155,7 @@ void Diffusion::record_source(gpu::Commands& commands, const FacetLight& light, 
                      {"facets", facets_},
                      {"scales", scales_},
                      {"gradients", gradients_},
+                     {"points", points_},
                      {"stencil", multigrid_.finest().stencil},
                      {"cell_sources", cell_sources_},
                      {"face_fluxes", face_fluxes_},
@@ -182,6 +193,7 @@ void Diffusion::record_gradients(gpu::Commands& commands, const FacetLight& ligh
                      {"scales", scales_},
                      {"volume", domain_.volume},
                      {"phi", pcg_.solution()},
+                     {"points", points_},
                      {"gradients", gradients_}},
                     surface_push(light.sides));
 }
@@ -222,6 +234,7 @@ void Diffusion::record_surface(gpu::Commands& commands, const FacetLight& light)
                      {"phi", pcg_.solution()},
                      {"near_cells", near_cells_},
                      {"cut_neighbours", cut_neighbours_},
+                     {"points", points_},
                      {"lines", lines_},
                      {"side_lights", side_lights_},
                      {"phi_up", surface_[0]},

@@ -14,7 +14,7 @@ namespace alabaster {
 /// The passes around the linear solver, made once a context.
 struct FluencePasses {
   explicit FluencePasses(gpu::Context& context);
-  gpu::Pass assemble, scale, facets[2], source[2][2];                             // [corrected][in cells]
+  gpu::Pass points, assemble, scale, facets[2], source[2][2];                     // [corrected][in cells]
   gpu::Pass rescale, absorbed, energy, gradient, carry, inner, surface, exit[2];  // exit [straight]
 };
 
@@ -39,6 +39,9 @@ struct FacetLight {
   glm::dvec3 volume_power{0};
   const gpu::Buffer* through = nullptr;  // two vec3 a cut cell: what leaves there without having been scattered
 };
+
+/// An image for `layers` quantities of `count` cut cells (shared/diffusion.h).
+gpu::Image cut_table(gpu::Context& context, std::size_t count, int layers, const std::string& name);
 
 class Diffusion {
  public:
@@ -103,8 +106,9 @@ class Diffusion {
   double A_, f_dt_;
   int cut_count_;  // entry 0 included
   gpu::Image kappa_, absorption_, surface_[2], surface_gamma_[2];
-  gpu::Buffer near_cells_, cut_neighbours_, lines_, side_lights_;  // for the surface
-  gpu::Buffer facets_, conductances_, scales_, gradients_, energy_sums_;
+  gpu::Buffer near_cells_, cut_neighbours_;              // for the surface
+  gpu::Image points_, lines_, side_lights_, gradients_;  // tables
+  gpu::Buffer facets_, conductances_, scales_, energy_sums_;
   gpu::Buffer cell_sources_, face_fluxes_, facet_offsets_;
   SolverOptions options_;
   glm::dvec3 kappa_scale_{1};

@@ -12,17 +12,17 @@
 layout(local_size_x = 64) in;
 layout(push_constant, scalar) uniform PushBlock { SurfacePush push; };
 #include "diffusion/light.glsl"
-layout(binding = 4, scalar) readonly buffer Gradients { vec4 gradients[]; };
+layout(binding = 4, rgba32f) uniform readonly image3D gradients;
 layout(binding = 15, scalar) readonly buffer QueryGamma { vec3 query_gamma[]; };  // as gamma_s
-// [channel][cut cell][side]: gradient, W/m^2 / h, and value at the cell's low corner
-layout(binding = 16, scalar) writeonly buffer Lines { vec4 lines[]; };
-layout(binding = 17, scalar) writeonly buffer SideLights { vec4 side_lights[]; };  // [cut cell][side]: area query_gamma, area
+// Tables. Layer 2 channel + side: gradient, W/m^2 / h, and value at the cell's low corner; layer side: area query_gamma, area
+layout(binding = 16, rgba32f) uniform writeonly image3D lines;
+layout(binding = 17, rgba32f) uniform writeonly image3D side_lights;
 
 void main() {
   uint index = gl_GlobalInvocationID.x;
   int channel = int(gl_GlobalInvocationID.y);
   if (index == 0 || index >= uint(push.count)) return;
-  vec4 g = gradients[channel * push.count + index];
+  vec4 g = imageLoad(gradients, in_table(index, channel));
   vec3 centre = cut_cells[index].centre;
   bool thin = bent(cut_cells[index].facet);
   for (int side = 0; side < 2; ++side) {
@@ -35,8 +35,8 @@ void main() {
       vec3 normal = normalize(facet.area_vector);
       slope += normal * ((sheet - g.w) / depth - dot(normal, g.xyz));
     }
-    lines[2 * (channel * push.count + index) + side] = vec4(slope, g.w - dot(slope, centre));
+    imageStore(lines, in_table(index, 2 * channel + side), vec4(slope, g.w - dot(slope, centre)));
     vec3 light = query_gamma[push.sides == 2 ? 2 * index + side : index];
-    if (channel == 0) side_lights[2 * index + side] = facet.area * vec4(light, 1);
+    imageStore(side_lights, in_table(index, side), facet.area * vec4(light, 1));  // each channel alike
   }
 }

@@ -16,21 +16,22 @@ layout(push_constant, scalar) uniform PushBlock { SurfacePush push; };
 layout(binding = 3, scalar) readonly buffer Conductances { float conductances[]; };  // [channel][cut cell]
 #include "diffusion/light.glsl"
 layout(binding = 5, scalar) readonly buffer Scales { FluenceScale scales[]; };
-layout(binding = 6, scalar) readonly buffer Gradients { vec4 gradients[]; };          // (g, phi_c), W/m^2
+layout(binding = 6, rgba32f) uniform readonly image3D gradients;                      // (g, phi_c), W/m^2
 layout(binding = 7, rgba32f) uniform readonly image3D stencil;
 layout(binding = 8, scalar) writeonly buffer CellSources { float cell_sources[]; };
 layout(binding = 9, scalar) writeonly buffer FaceFluxes { float face_fluxes[]; };    // into the cell, faces -x +x -y ...
+layout(binding = 11, rgba32f) uniform readonly image3D points;
 layout(binding = 10, scalar) writeonly buffer FacetOffsets { float facet_offsets[]; };  // o below the facet, W/m^2
 
 float offset_value(uint index, int channel, vec3 away) {
-  vec4 g = gradients[channel * push.count + index];
+  vec4 g = imageLoad(gradients, in_table(index, channel));
   return clamp(dot(g.xyz, away), -0.25 * abs(g.w), 0.25 * abs(g.w));
 }
 
 // Towards face `f` of cell `index`; entry 0, a whole cell, has no offset.
 float face_offset(uint index, int channel, int f, vec3 face_centre) {
   if (index == 0) return 0;
-  vec3 away = face_centre - cut_cells[index].centre;
+  vec3 away = face_centre - imageLoad(points, in_table(index, 0)).xyz;
   away[f >> 1] = 0;
   return offset_value(index, channel, away);
 }
@@ -46,7 +47,7 @@ float face_flux(uint index, ivec3 cell, int channel, int f) {
   ivec3 other = cell;
   other[axis] += 2 * up - 1;
   ivec3 upper = up != 0 ? other : cell;  // the cell whose low face this is
-  vec3 centre = cut_cells[cut_at(upper)].low_face_centre[axis], mine = centre, theirs = centre;
+  vec3 centre = imageLoad(points, in_table(cut_at(upper), 1 + axis)).xyz, mine = centre, theirs = centre;
   mine[axis] += up;
   theirs[axis] += 1 - up;
   return conductance(upper, axis, channel) *

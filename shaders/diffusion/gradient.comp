@@ -12,7 +12,8 @@ layout(push_constant, scalar) uniform PushBlock { SurfacePush push; };
 layout(binding = 5, scalar) readonly buffer Scales { FluenceScale scales[]; };
 layout(binding = 6, rgba32f) uniform readonly image3D volume;
 layout(binding = 7, rgba32f) uniform readonly image3D phi;
-layout(binding = 8, scalar) writeonly buffer Gradients { vec4 gradients[]; };  // (g, phi_c), W/m^2, [channel][cut cell]
+layout(binding = 8, rgba32f) uniform writeonly image3D gradients;  // table of (g, phi_c), W/m^2, a layer a channel
+layout(binding = 9, rgba32f) uniform readonly image3D points;
 
 const float regular = 1e-4;       // of the trace: a direction without neighbours gets no slope
 const float sliver = 0.05;        // h^3; smaller cells say less: their centroids crowd at the surface
@@ -35,7 +36,7 @@ void main() {
     ivec3 other = cell + step_;
     float size = imageLoad(volume, ivec3(other.x >> 2, other.yz))[other.x & 3];
     if (size <= 0) continue;
-    vec3 d = vec3(step_) + cut_cells[cut_at(other)].centre - centre;
+    vec3 d = vec3(step_) + imageLoad(points, in_table(cut_at(other), 0)).xyz - centre;
     float weight = min(1, size / sliver) / dot(d, d);
     normal_matrix += weight * outerProduct(d, d);
     right += weight * (value(other, channel) - own) * d;
@@ -49,5 +50,5 @@ void main() {
   }
   float trace = normal_matrix[0][0] + normal_matrix[1][1] + normal_matrix[2][2];
   vec3 g = trace > 0 ? inverse(normal_matrix + mat3(regular * trace)) * right : vec3(0);
-  gradients[channel * push.count + index] = vec4(g, own);
+  imageStore(gradients, in_table(index, channel), vec4(g, own));
 }

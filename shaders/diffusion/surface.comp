@@ -19,8 +19,9 @@ layout(binding = 11, rgba32f) uniform writeonly image3D gamma_up;
 layout(binding = 12, rgba32f) uniform writeonly image3D gamma_down;
 layout(binding = 13, scalar) readonly buffer NearCells { NearCell near_cells[]; };  // near_surface.h
 layout(binding = 14, scalar) readonly buffer CutNeighbours { uint cut_neighbours[]; };
-layout(binding = 16, scalar) readonly buffer Lines { vec4 lines[]; };  // carry.comp
-layout(binding = 17, scalar) readonly buffer SideLights { vec4 side_lights[]; };
+layout(binding = 15, rgba32f) uniform readonly image3D points;
+layout(binding = 16, rgba32f) uniform readonly image3D lines;  // carry.comp
+layout(binding = 17, rgba32f) uniform readonly image3D side_lights;
 
 const float sliver = 0.05;  // h^3; a smaller cut cell's value comes from its neighbours, as if it were outside
 
@@ -28,7 +29,7 @@ const float sliver = 0.05;  // h^3; a smaller cut cell's value comes from its ne
 vec3 carried(uint index, vec3 away, int side) {
   vec3 result;
   for (int c = 0; c < 3; ++c)
-    result[c] = dot(lines[2 * (min(c, push.channels - 1) * push.count + index) + side], vec4(away, 1));
+    result[c] = dot(imageLoad(lines, in_table(index, 2 * min(c, push.channels - 1) + side)), vec4(away, 1));
   return result;
 }
 
@@ -45,10 +46,11 @@ Around look_around(NearCell near, bool wants_phi) {
   for (uint i = near.begin; i < near.end; ++i) {
     uint neighbour = cut_neighbours[i], index = neighbour & 0x7ffffffu;
     int n = int(neighbour >> 27);
-    for (int side = 0; side < 2; ++side) around.light[side] += side_lights[2 * index + side];
+    for (int side = 0; side < 2; ++side) around.light[side] += imageLoad(side_lights, in_table(index, side));
     for (int side = wants_phi ? 0 : 2; side < 2; ++side) {
-      vec3 away = vec3(1.5) - vec3(n % 3, n / 3 % 3, n / 9), apart = away - cut_cells[index].centre;
-      float weight = cut_cells[index].volume / dot(apart, apart);
+      vec4 point = imageLoad(points, in_table(index, 0));
+      vec3 away = vec3(1.5) - vec3(n % 3, n / 3 % 3, n / 9), apart = away - point.xyz;
+      float weight = point.w / dot(apart, apart);
       around.phi[side] += weight * carried(index, away, side);
       weights += 0.5 * weight;
     }
@@ -74,7 +76,8 @@ void main() {
   bool whole = index == 0 && own > 0, cut = index != 0 && own >= sliver;
   Around around = look_around(near, !(whole || cut));
   vec4 here[2] = vec4[2](vec4(0), vec4(0));
-  if (index != 0) here = vec4[2](side_lights[2 * index], side_lights[2 * index + 1]);
+  if (index != 0)
+    here = vec4[2](imageLoad(side_lights, in_table(index, 0)), imageLoad(side_lights, in_table(index, 1)));
   vec3 inner;
   for (int c = 0; c < 3; ++c) {
     int channel = min(c, push.channels - 1);

@@ -49,6 +49,11 @@
 #define DIFFUSION_GROUP 128
 #define DIFFUSION_PARTIALS 16
 
+// Tables of the cut cells are images this wide, of as many rows as that takes. That of points (points.comp) has the
+// cell's centroid and volume in layer 0, and the centroids of its faces towards lower x, y, z in the next.
+#define DIFFUSION_TABLE_WIDTH 1024
+#define DIFFUSION_POINT_LAYERS 4
+
 // What reduce.comp makes of the sums.
 #define DIFFUSION_REDUCE_START 0
 #define DIFFUSION_REDUCE_BETA 1

@@ -8,7 +8,7 @@ using GpuDiffusionFacets = SurfacePasses;
 
 TEST_F(GpuDiffusionFacets, FacetsAndSourceEqualTwin) {
   const std::vector<glm::vec4> gradient = random_gradients();
-  const gpu::Buffer gradients = gpu::make_buffer(context, gradient, "gradients");
+  const gpu::Image gradients = table(gradient), on_points = points();
   const gpu::Buffer cell_sources = results<float>(cut.size() * channels),
                     face_fluxes = results<float>(cut.size() * channels * 6),
                     facet_offsets = results<float>(cut.size() * channels);
@@ -32,6 +32,7 @@ TEST_F(GpuDiffusionFacets, FacetsAndSourceEqualTwin) {
                        {"facets", body.diffusion().facet_medium()},
                        {"scales", scale_buffer},
                        {"gradients", gradients},
+                       {"points", on_points},
                        {"stencil", body.diffusion().multigrid().finest().stencil},
                        {"cell_sources", cell_sources},
                        {"face_fluxes", face_fluxes},

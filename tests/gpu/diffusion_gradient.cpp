@@ -6,7 +6,7 @@ namespace {
 using GpuDiffusionGradient = SurfacePasses;
 
 TEST_F(GpuDiffusionGradient, GradientEqualsTwin) {
-  const gpu::Buffer gradients = results<glm::vec4>(cut.size() * channels);
+  const gpu::Image gradients = table(channels), on_points = points();
   gpu::Commands commands(context);
   commands.dispatch(passes.gradient, {cut.size(), channels, 1},
                     {{"cut_index", domain.cut_index},
@@ -16,10 +16,11 @@ TEST_F(GpuDiffusionGradient, GradientEqualsTwin) {
                      {"scales", scale_buffer},
                      {"volume", domain.volume},
                      {"phi", body.diffusion().pcg().solution()},
+                     {"points", on_points},
                      {"gradients", gradients}},
                     push());
   commands.submit();
-  const std::vector<glm::vec4> got = gpu::download<glm::vec4>(context, gradients);
+  const std::vector<glm::vec4> got = entries(gradients);
   std::size_t slivers = 0;
   for (int c = 0; c < channels; ++c) {
     Largest slope, value;
@@ -55,6 +56,15 @@ TEST_F(GpuDiffusionGradient, GradientEqualsTwin) {
     EXPECT_LT(value.apart, 1e-6 * value.value) << c;
   }
   EXPECT_GT(slivers, 10u);
+}
+
+TEST_F(GpuDiffusionGradient, PointsAreTheDomains) {
+  const std::vector<glm::vec4> got = entries(points());
+  for (std::size_t i = 0; i < cut.size(); ++i) {
+    EXPECT_EQ(got[i], glm::vec4(cut[i].centre, cut[i].volume)) << i;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      EXPECT_EQ(glm::vec3(got[(1 + axis) * cut.size() + i]), cut[i].low_face_centre[axis]) << i;
+  }
 }
 
 }  // namespace

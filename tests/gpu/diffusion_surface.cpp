@@ -17,15 +17,14 @@ class GpuDiffusionSurfaceGrey : public GpuDiffusionSurface {
 
 void GpuDiffusionSurface::check_surface() {
   const std::vector<glm::vec4> gradient = random_gradients();
-  const gpu::Buffer gradients = gpu::make_buffer(context, gradient, "gradients");
+  const gpu::Image gradients = table(gradient), on_points = points(), lines = table(2 * channels), lights = table(2);
   std::vector<gpu::Image> images;
   for (const char* name : {"phi up", "phi down", "gamma up", "gamma down"})
     images.push_back(gpu::image3d(context, n, VK_FORMAT_R32G32B32A32_SFLOAT, name));
   gpu::Commands commands(context);
   const NearSurface near = find_near_surface(context, domain);
   const gpu::Buffer near_cells = gpu::make_buffer(context, near.cells, "near cells"),
-                    neighbours = gpu::make_buffer(context, near.neighbours, "neighbours"),
-                    lines = results<glm::vec4>(2 * channels * cut.size()), lights = results<glm::vec4>(2 * cut.size());
+                    neighbours = gpu::make_buffer(context, near.neighbours, "neighbours");
   for (int k = 0; k < 4; ++k) commands.clear(images[k], k < 2 ? glm::vec4(0, 0, 0, 1) : glm::vec4(0));
   commands.dispatch(passes.carry, {cut.size(), channels, 1},
                     {{"cut_index", domain.cut_index},
@@ -53,6 +52,7 @@ void GpuDiffusionSurface::check_surface() {
                      {"phi", body.diffusion().pcg().solution()},
                      {"near_cells", near_cells},
                      {"cut_neighbours", neighbours},
+                     {"points", on_points},
                      {"lines", lines},
                      {"side_lights", lights},
                      {"phi_up", images[0]},

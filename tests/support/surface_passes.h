@@ -78,6 +78,32 @@ class SurfacePasses : public GpuTest {
   gpu::Buffer results(std::size_t count) {
     return gpu::make_buffer(context, std::vector<T>(count), "results");
   }
+  /// A table (shared/diffusion.h) of `layers` layers, and one that holds [layer][cut cell] and is taken back.
+  gpu::Image table(int layers) { return cut_table(context, cut.size(), layers, "table"); }
+  gpu::Image table(const std::vector<glm::vec4>& entries) {
+    gpu::Image made = table(static_cast<int>(entries.size() / cut.size()));
+    std::vector<glm::vec4> texels(made.bytes() / sizeof(glm::vec4));
+    for (std::size_t i = 0; i < entries.size(); ++i)
+      texels[i / cut.size() * layer_texels(made) + i % cut.size()] = entries[i];
+    gpu::upload(context, made, texels);
+    return made;
+  }
+  std::vector<glm::vec4> entries(const gpu::Image& of) {
+    const std::vector<glm::vec4> texels = gpu::download<glm::vec4>(context, of);
+    std::vector<glm::vec4> result(of.spec().size.z * cut.size());
+    for (std::size_t i = 0; i < result.size(); ++i)
+      result[i] = texels[i / cut.size() * layer_texels(of) + i % cut.size()];
+    return result;
+  }
+  static std::size_t layer_texels(const gpu::Image& of) { return std::size_t(of.spec().size.x) * of.spec().size.y; }
+  gpu::Image points() {
+    gpu::Image made = table(DIFFUSION_POINT_LAYERS);
+    gpu::Commands commands(context);
+    commands.dispatch(passes.points, {cut.size(), 1, 1},
+                      {{"cut_index", domain.cut_index}, {"cut_cells", domain.cut_cells}, {"points", made}}, push());
+    commands.submit();
+    return made;
+  }
   template <typename F>
   void for_cells(F f) const {
     for (int z = 0; z < n.z; ++z)
