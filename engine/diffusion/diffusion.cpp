@@ -128,7 +128,7 @@ void Diffusion::set_medium(MediumSamples medium) {
                       OperatorPush{domain_.frame.cells, cut_count_, resistance, glm::vec3(kappa_scale_)});
   }
   commands.submit();
-  multigrid_.set_up();
+  multigrid_.refresh();
   if (history_) history_->forget();
 }
 

@@ -13,6 +13,7 @@ namespace alabaster {
 DiffusionPasses::DiffusionPasses(gpu::Context& c)
     : diagonals{{c, "diffusion/diagonals.comp", {0}}, {c, "diffusion/diagonals.comp", {1}}},
       pack{c, "diffusion/pack.comp", {1}},
+      drift{c, "diffusion/drift.comp", {1}},
       weights{{c, "diffusion/weights.comp", {0}}, {c, "diffusion/weights.comp", {1}}},
       deficits{{c, "diffusion/deficits.comp", {0}}, {c, "diffusion/deficits.comp", {1}}},
       galerkin{{c, "diffusion/galerkin.comp", {0}}, {c, "diffusion/galerkin.comp", {1}}},
@@ -121,28 +122,63 @@ void Multigrid::release() {
   deflation_ = {};
 }
 
+// Row sums and diagonals for the coarse levels' set-up, and what the cycle and the gradients read of the finest
+// stencil.
+void Multigrid::record_finest(gpu::Commands& commands) {
+  MultigridLevel& level = finest();
+  commands.dispatch(passes_.diagonals[1], threads(0),
+                    {{"bricks", level.bricks.packed},
+                     {"stencil", level.stencil},
+                     {"inverse_l1", level.inverse_l1},
+                     {"diagonal", level.spare},
+                     {"row_sum", level.b}},
+                    push(0));
+  commands.dispatch(passes_.pack, threads(0),
+                    {{"bricks", level.bricks.packed},
+                     {"stencil", level.stencil},
+                     {"inverse_l1", level.inverse_l1},
+                     {"pairs", pairs_}},
+                    push(0));
+}
+
+double Multigrid::drift() {
+  const gpu::Buffer factors(context_, std::size_t(channels_) * bricks().count * sizeof(float), "diffusion drift");
+  gpu::Commands commands(context_);
+  commands.fill(factors);
+  commands.dispatch(
+      passes_.drift, threads(0),
+      {{"bricks", bricks().packed}, {"stencil", finest().stencil}, {"factors", factors}, {"pairs", pairs_}}, push(0));
+  commands.submit();
+  const std::vector<float> all = gpu::download<float>(context_, factors);
+  return *std::max_element(all.begin(), all.end());
+}
+
+void Multigrid::refresh() {
+  if (generation_ > 0 && deflation_.count() == 0) drifted_ *= drift();
+  if (generation_ == 0 || deflation_.count() > 0 || !(drifted_ <= kept_within)) return set_up();
+  gpu::Commands commands(context_);
+  record_finest(commands);
+  commands.submit();
+}
+
 void Multigrid::set_up() {
   gpu::Commands commands(context_);
   for (std::size_t l = 0; l < levels_.size(); ++l) {
     const auto scope = commands.time("diffusion hierarchy");
     const bool finest = l == 0;
     MultigridLevel& level = levels_[l];
-    commands.dispatch(passes_.diagonals[finest], threads(l),
-                      {{"bricks", level.bricks.packed},
-                       {"stencil", level.stencil},
-                       {"inverse_l1", level.inverse_l1},
-                       {"diagonal", level.spare},
-                       {"row_sum", level.b}},
-                      push(l));
-    if (l + 1 == levels_.size()) break;
-    const MultigridLevel& coarse = levels_[l + 1];
     if (finest)
-      commands.dispatch(passes_.pack, threads(l),
+      record_finest(commands);
+    else
+      commands.dispatch(passes_.diagonals[0], threads(l),
                         {{"bricks", level.bricks.packed},
                          {"stencil", level.stencil},
                          {"inverse_l1", level.inverse_l1},
-                         {"pairs", pairs_}},
+                         {"diagonal", level.spare},
+                         {"row_sum", level.b}},
                         push(l));
+    if (l + 1 == levels_.size()) break;
+    const MultigridLevel& coarse = levels_[l + 1];
     int first = 0;
     for (const int count : {1, 6, 12, 8}) {  // entries with 0 to 3 odd coordinates
       commands.dispatch(passes_.weights[finest], {coarse.bricks.count * 8, channels_, count},
@@ -170,6 +206,7 @@ void Multigrid::set_up() {
   omegas_ = chebyshev_omegas(smoothing.sweeps, smoothing.lowest);
   visits_ = chebyshev_omegas(levels_.size() > 2 ? smoothing.visits : 1, options_.visited);
   if (visits_.size() > 1 && !kept_) kept_ = packed_image(context_, levels_[1].cells, channels_, 1, "vector");
+  drifted_ = 1;
   ++generation_;
 }
 

@@ -16,7 +16,7 @@ namespace alabaster {
 /// The solver's pipelines, made once a context.
 struct DiffusionPasses {
   explicit DiffusionPasses(gpu::Context& context);
-  gpu::Pass diagonals[2], pack, weights[2], deficits[2], galerkin[2];  // [finest]
+  gpu::Pass diagonals[2], pack, drift, weights[2], deficits[2], galerkin[2];  // [finest]
   gpu::Pass smooth[2], smooth_dot, defect[2], residual[2], restrict_residual, prolong, direct, renew, combine;
   gpu::Pass apply_dot, norm, update, start, direction[2], reduce;  // direction[deflated]
   gpu::Pass project, blend;                                        // history.h
@@ -45,6 +45,12 @@ class Multigrid {
 
   /// Builds everything below the finest stencil, which the caller has written, and finds its islands.
   void set_up();
+
+  /// The same where the finest stencil was written anew; but coarse levels stay as long as no entry has come to differ
+  /// by more than `kept_within` from what they were made of, and islands are none: they are a preconditioner's, and as
+  /// good within that factor.
+  void refresh();
+  static constexpr double kept_within = 1.5;
 
   /// Frees all that the cycle and the set-up need; bricks stay. Neither can be asked for afterwards.
   void release();
@@ -77,6 +83,8 @@ class Multigrid {
   void record_smooth(gpu::Commands& commands, std::size_t l, const gpu::Pass& pass, float omega, const gpu::Image& from,
                      const gpu::Image& to, const gpu::Buffer& partials);
   LevelPush push(std::size_t l, float omega = 0, float step = 0) const;
+  void record_finest(gpu::Commands& commands);
+  double drift();
   void record_row_sums(gpu::Commands& commands, std::size_t l);
   void invert_coarsest();
 
@@ -92,6 +100,7 @@ class Multigrid {
   gpu::Buffer inverse_;
   Deflation deflation_;
   int generation_ = 0;
+  double drifted_ = 1;  // at most, from the finest stencil that the coarse levels were made of
 };
 
 /// A zero-filled image for `cells` cells, `entries` a cell, of texels of four words.

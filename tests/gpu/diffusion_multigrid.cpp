@@ -144,6 +144,37 @@ TEST_F(GpuMultigrid, CycleEqualsTwin) {
   }
 }
 
+// Small changes of the medium keep the coarse levels, changes that add up to more do not; either way the solution is
+// the new medium's.
+TEST_F(GpuMultigrid, RefreshKeepsCoarseLevelsWithinAFactor) {
+  const CutCells cells = gridded(icosphere(3, 0.5f), 30);
+  const auto problem_of = [&](double contrast) { return twin::assemble(cells, checker(0.02, contrast, 0.4), 2.6); };
+  const twin::Problem first = problem_of(1);
+  Multigrid multigrid(context, passes, first.a.grid.n, 1, active_cells(first.a));
+  Pcg pcg(context, passes, multigrid);
+  std::vector<int> generations, iterations;
+  for (const double contrast : {1.0, 1.2, 1.4, 1.9, 2.0}) {
+    const twin::Problem problem = problem_of(contrast);
+    gpu::upload(context, multigrid.finest().stencil, pack_finest(problem.a));
+    multigrid.refresh();
+    generations.push_back(multigrid.generation());
+    twin::Vector b = problem.facet_conductance;
+    gpu::upload(context, pcg.rhs(), pack({&b}, problem.a.grid));
+    pcg.clear_solution();
+    const SolverStatus status = pcg.solve();
+    EXPECT_TRUE(status.converged) << status.reason;
+    iterations.push_back(status.iterations);
+    twin::Multigrid reference(problem.a);
+    const twin::Solution expected = twin::solve_pcg(reference, b, 1e-6, 100);
+    EXPECT_LT(
+        worst_difference(unpack(gpu::download<float>(context, pcg.solution()), problem.a.grid, 0, 1, 0), expected.x),
+        2e-5)
+        << contrast;
+  }
+  EXPECT_EQ(generations, (std::vector<int>{1, 1, 1, 2, 2}));
+  EXPECT_LE(iterations[2], iterations[0] + 1);
+}
+
 TEST_F(GpuMultigrid, SolvesLikeTheTwin) {
   for (const Case& test : cases()) {
     SCOPED_TRACE(test.name);
