@@ -79,11 +79,11 @@ std::vector<double> SolutionHistory::energies(const gpu::Image& v) {
   return sums;
 }
 
-void SolutionHistory::guess() {
+bool SolutionHistory::guess() {
   const std::vector<Sums> sums = products();
   std::vector<glm::vec4> coefficients(sums.size(), glm::vec4(0));
   for (std::size_t c = 0; c < sums.size(); ++c) {
-    if (std::all_of(energies_[c].begin(), energies_[c].end(), [](double e) { return e == 0; })) return;
+    if (std::all_of(energies_[c].begin(), energies_[c].end(), [](double e) { return e == 0; })) return false;
     for (int k = 0; k < depth; ++k)
       if (energies_[c][k] > 0) coefficients[c][k] = static_cast<float>(sums[c][k] / energies_[c][k]);
   }
@@ -91,6 +91,7 @@ void SolutionHistory::guess() {
   gpu::Commands commands(context_);
   commands.clear(pcg_.solution_rest());
   commands.submit();
+  return true;
 }
 
 void SolutionHistory::add() {

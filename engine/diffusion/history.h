@@ -18,8 +18,9 @@ class SolutionHistory {
   /// All outlive this.
   SolutionHistory(gpu::Context& context, const DiffusionPasses& passes, Multigrid& multigrid, Pcg& pcg);
 
-  /// Puts the best start for pcg.rhs() into pcg.solution(); leaves it alone where there is nothing to start from.
-  void guess();
+  /// Puts the best start for pcg.rhs() into pcg.solution(); leaves it alone, and says false, where there is nothing to
+  /// start from.
+  bool guess();
   /// Takes in pcg.solution(), which solves pcg.rhs(), in place of the oldest.
   void add();
   void forget();

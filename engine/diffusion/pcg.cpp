@@ -163,12 +163,15 @@ bool Pcg::converged_by_recurrence(SolverStatus& status) const {
 
 // Recurrences drift from the truth in single precision. So when they claim convergence the residual is computed anew,
 // and where it disagrees the gradients start again from it; only when that no longer helps does the solver give up.
-SolverStatus Pcg::solve(double tolerance, Check check) {
+SolverStatus Pcg::solve(Goal goal) {
   SolverStatus status;
   if (recorded_ != multigrid_.generation()) record();
   CgScalars* const device = static_cast<CgScalars*>(scalars_.mapped());
-  for (int c = 0; c < multigrid_.channels(); ++c)
-    device[c].tolerance = device[c].target = static_cast<float>(tolerance);
+  const auto aim = [&](double tolerance) {
+    for (int c = 0; c < multigrid_.channels(); ++c)
+      device[c].tolerance = device[c].target = static_cast<float>(tolerance);
+  };
+  aim(goal.tolerance);
   std::vector<double> last(multigrid_.channels(), INFINITY);
   while (true) {
     start_->submit();
@@ -186,10 +189,14 @@ SolverStatus Pcg::solve(double tolerance, Check check) {
       status.converged = false;
       stalled = stalled && !(larger < 0.5 * last[c]);
       last[c] = larger;
-      if (relative <= tolerance)
-        device[c].target = static_cast<float>(0.5 * relative * DIFFUSION_SCALED * tolerance / scaled);
+      if (relative <= goal.tolerance)
+        device[c].target = static_cast<float>(0.5 * relative * DIFFUSION_SCALED * goal.tolerance / scaled);
     }
     if (status.converged) return status;
+    if (status.iterations == 0 && status.began_at > goal.near) {
+      goal = {goal.first, Check::recurrence};
+      aim(goal.tolerance);
+    }
     const double noise = multigrid_.deflation().noise();
     const bool given_up = status.iterations >= options_.max_iterations;
     if ((stalled || given_up) && noise > noisy_share) {
@@ -224,7 +231,7 @@ SolverStatus Pcg::solve(double tolerance, Check check) {
       }
     }
     status.iterations += taken;
-    if (check == Check::recurrence && converged_by_recurrence(status)) return status;
+    if (goal.check == Check::recurrence && converged_by_recurrence(status)) return status;
   }
 }
 

@@ -3,6 +3,7 @@
 // after every batch of iterations.
 #pragma once
 
+#include <cmath>
 #include <memory>
 #include <string>
 #include <vector>
@@ -40,8 +41,17 @@ class Pcg {
   /// Solves A x = b for the images rhs() and solution(), starting from what solution() holds, to `tolerance`
   /// (SolverOptions); with Check::recurrence what the conjugate gradients themselves say of |b - A x| / |b| is enough.
   enum class Check { true_residual, recurrence };
-  SolverStatus solve(double tolerance, Check check = Check::true_residual);
+  SolverStatus solve(double tolerance, Check check = Check::true_residual) { return solve({tolerance, check}); }
   SolverStatus solve() { return solve(options_.tolerance); }
+
+  /// Where the first relative residual is above `near`, what comes out is not the last word: `first` by recurrence will
+  /// do then.
+  struct Goal {
+    double tolerance;
+    Check check = Check::true_residual;
+    double near = INFINITY, first = 0;
+  };
+  SolverStatus solve(Goal goal);
 
   /// Forgets the solution: the next solve() starts from zero.
   void clear_solution();
