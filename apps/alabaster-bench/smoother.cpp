@@ -55,7 +55,7 @@ void measure(gpu::Context& context, const Arguments& a, int grid, nlohmann::json
   const double cells = body.inside_cells(), plain_cells = double(grid) * grid * grid;
   const double us = 1e-3 * cells / median(ours), them = 1e-3 * plain_cells / median(plain);  // million updates a second
   const double bandwidth = 1e-6 * 2 * sizeof(float) * double(from.size()) / median(copy);    // GB/s
-  const double used = 1e-3 * us * 8 * sizeof(float);  // x, b, 1 / l1 and four entries in, x out
+  const double used = 1e-3 * us * (3 + DIFFUSION_PAIRS) * sizeof(float);  // x, b and pairs of bf16 in, x out
   std::printf("| %d | %.0f | %.0f | %.2f | %.1f | %.2f |\n", grid, us, them, us / them, bandwidth, used / bandwidth);
   std::fflush(stdout);
   rows.push_back({{"grid", grid},

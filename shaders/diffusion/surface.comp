@@ -83,17 +83,14 @@ void main() {
     int channel = min(c, push.channels - 1);
     inner[c] = imageLoad(phi, ivec3(cell.x >> 2, cell.y, cell.z + channel * push.cells.z))[cell.x & 3] * scales[channel].unit;
   }
+  vec3 value[2], gamma[2];
   for (int side = 0; side < 2; ++side) {
-    vec3 value = whole ? inner : around.phi[side];
-    if (cut) value = carried(index, vec3(0.5), side);
-    vec3 gamma = here[side].w > 0 ? mean_gamma(here, near.alike_here, side) : mean_gamma(around.light, near.alike, side);
-    if (push.channels == 1) gamma = gamma.rrr;
-    if (side == 0) {
-      imageStore(phi_up, cell, vec4(value, 1));
-      imageStore(gamma_up, cell, vec4(gamma, 1));
-    } else {
-      imageStore(phi_down, cell, vec4(value, 1));
-      imageStore(gamma_down, cell, vec4(gamma, 1));
-    }
+    value[side] = cut ? carried(index, vec3(0.5), side) : whole ? inner : around.phi[side];
+    gamma[side] = here[side].w > 0 ? mean_gamma(here, near.alike_here, side) : mean_gamma(around.light, near.alike, side);
+    if (push.channels == 1) gamma[side] = gamma[side].rrr;
   }
+  imageStore(phi_up, cell, vec4(value[0], 1));
+  imageStore(phi_down, cell, vec4(value[1], 1));
+  imageStore(gamma_up, cell, vec4(gamma[0], 1));
+  imageStore(gamma_down, cell, vec4(gamma[1], 1));
 }
