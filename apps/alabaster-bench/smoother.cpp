@@ -21,6 +21,9 @@ void measure(gpu::Context& context, const Arguments& a, int grid, nlohmann::json
   const DiffusionPasses passes(context);
   Multigrid& multigrid = body.diffusion().multigrid();
   MultigridLevel& level = multigrid.finest();
+  std::vector<float> half = gpu::download<float>(context, level.inverse_l1);  // where cells are, as the plain arrays
+  for (float& v : half) v = v > 0 ? 0.5f : 0;
+  for (const gpu::Image* image : {&level.x, &level.b}) gpu::upload(context, *image, half);
   gpu::Commands commands(context);
   for (int i = 0; i < a.sweeps; ++i)
     commands.dispatch(passes.smooth[1], multigrid.column_threads(),
