@@ -1,4 +1,6 @@
 // The solver's passes one at a time, two channels, on every level they run on, against the double-precision twin.
+#include <bit>
+
 #include "support/device.h"
 #include "support/diffusion_problems.h"
 
@@ -135,6 +137,32 @@ TEST_F(GpuDiffusionVectors, RestrictAndProlongEqualTwin) {
       expect(on_x, l, c, up, "prolong");
     }
   }
+}
+
+TEST_F(GpuDiffusionVectors, DriftIsTheLargestFactorBetweenStencils) {
+  std::vector<float> stencil = gpu::download<float>(context, multigrid.finest().stencil);
+  const std::vector<std::uint32_t> pairs = gpu::download<std::uint32_t>(context, multigrid.pairs());
+  const int nx = multigrid.finest().cells.x;
+  std::mt19937 engine(9);
+  std::uniform_real_distribution<float> factor(0.4f, 1.3f);
+  for (float& v : stencil) v *= factor(engine);
+  gpu::upload(context, multigrid.finest().stencil, stencil);
+  double wanted = 1;
+  for (std::size_t row = 0; row < stencil.size(); row += 4 * nx)
+    for (int x = 0; x < nx; ++x) {
+      const float* cell = &stencil[row + x];
+      const double none = DIFFUSION_CONNECTED * (double(cell[0]) + cell[nx] + cell[2 * nx]);
+      for (int entry = 0; entry < 4; ++entry) {
+        const double now = cell[entry * nx], then = std::bit_cast<float>(pairs[row + entry * nx + x] << 16);
+        if (std::max(now, then) > none)
+          wanted = std::max(wanted, std::max(now, then) / std::max(std::min(now, then), none));
+      }
+    }
+  const gpu::Buffer factors = gpu::make_buffer(context, std::vector<float>(2 * multigrid.bricks().count), "factors");
+  run(passes.drift, 0, {{"stencil", multigrid.finest().stencil}, {"pairs", multigrid.pairs()}, {"factors", factors}});
+  const std::vector<float> got = gpu::download<float>(context, factors);
+  EXPECT_GT(wanted, 2);
+  EXPECT_NEAR(*std::max_element(got.begin(), got.end()), wanted, 0.01 * wanted);  // bf16
 }
 
 TEST_F(GpuDiffusionVectors, DirectIsTheProductWithTheInverse) {
