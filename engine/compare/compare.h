@@ -53,7 +53,7 @@ struct Comparison {
   std::size_t not_finite = 0;                         // pixels left out because a value is not a number
   Figures all;                                        // of R, G and B taken together
   std::array<Figures, 3> channel;
-  std::optional<ZTest> z;  // where a variance of the layer is known ("sum", "subsurface")
+  std::optional<ZTest> z;  // where a picture has a variance of the layer
 };
 
 /// Compares over the pixels whose `object.Y` in the reference exceeds 0.999 (all of them without that channel). Any

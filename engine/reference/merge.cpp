@@ -59,13 +59,14 @@ void check(const std::vector<Picture>& parts, const std::vector<std::string>& na
   }
 }
 
-// The channel a variance is of: "variance.R" -> R; "variance.subsurface.R" -> the sum less surface.
+// Of what a variance is of: "variance.R" -> R; "variance.single.R" -> single.R; "variance.subsurface.R" -> the sum less
+// surface.
 double mean_of(const Picture& part, const std::string& variance, std::size_t i) {
-  const std::string c(1, variance.back());
-  const double sum = static_cast<double>(part.channels.at(c)[i]);
-  if (variance.rfind("variance.subsurface.", 0) != 0) return sum;
-  auto surface = part.channels.find("surface." + c);
-  return sum - (surface == part.channels.end() ? 0.0 : static_cast<double>(surface->second[i]));
+  const std::string of = variance.substr(std::string("variance.").size()), c(1, variance.back());
+  if (of != "subsurface." + c) return static_cast<double>(part.channels.at(of)[i]);
+  const auto surface = part.channels.find("surface." + c);
+  return static_cast<double>(part.channels.at(c)[i]) -
+         (surface == part.channels.end() ? 0.0 : static_cast<double>(surface->second[i]));
 }
 
 }  // namespace

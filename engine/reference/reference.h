@@ -44,14 +44,15 @@ struct ReferenceOptions {
 };
 
 /// Renders `scene`. Channels, all means over the pixel's box-filtered samples: R, G, B (the sum of the chosen layers),
-/// multiple.*, single.*, surface.* (see Layer in paths.h for what is booked where), variance.R/G/B and
-/// variance.subsurface.* (variance of the pixel mean of the sum and of the sum less surface, (W/m^2/sr)^2), object.Y
-/// (share of the samples whose first hit is translucent), and of the ray through the pixel's centre N.* (outward normal
-/// of the first surface, world space) and Z (its distance from the eye, m; 0 where nothing is hit). Attributes:
-/// samplesPerPixel, seed, camera, scene, sceneFingerprint, seconds, threads, eventsPerSample, cappedPaths and
-/// leakedPaths (how many; paths.h), noise. The result depends on the scene, the size, the seed and the number of
-/// samples alone: not on threads, interruptions or their place. Throws UserError (no such camera, a state file of
-/// another scene, an impossible option).
+/// multiple.*, single.*, surface.* (see Layer in paths.h for what is booked where), the variance of the pixel mean
+/// ((W/m^2/sr)^2) of the sum in variance.R/G/B, of the sum less surface in variance.subsurface.* and of each chosen
+/// layer in variance.multiple.*, variance.single.* and variance.surface.* (layers of one path are not independent:
+/// these do not add up), object.Y (share of the samples whose first hit is translucent), and of the ray through the
+/// pixel's centre N.* (outward normal of the first surface, world space) and Z (its distance from the eye, m; 0 where
+/// nothing is hit). Attributes: samplesPerPixel, seed, camera, scene, sceneFingerprint, seconds, threads,
+/// eventsPerSample, cappedPaths and leakedPaths (how many; paths.h), noise. The result depends on the scene, the size,
+/// the seed and the number of samples alone: not on threads, interruptions or their place. Throws UserError (no such
+/// camera, a state file of another scene, an impossible option).
 Picture render_reference(const Scene& scene, const ReferenceOptions& options);
 
 /// Adds parts of one picture that were rendered with different seeds, weighted by their samples; the variances are

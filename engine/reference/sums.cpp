@@ -13,7 +13,7 @@
 namespace alabaster {
 namespace {
 
-constexpr char magic[8] = {'a', 'l', 'a', 'b', 's', 'u', 'm', '1'};
+constexpr char magic[8] = {'a', 'l', 'a', 'b', 's', 'u', 'm', '2'};
 struct StateHeader {
   char magic[8];
   std::int64_t width, height;
@@ -46,7 +46,10 @@ void PixelSums::add(const PathSample& sample, const std::array<bool, layer_count
   glm::dvec3 sum(0), subsurface(0);
   for (std::size_t layer = 0; layer < layer_count; ++layer) {
     const glm::dvec3 value(sample.radiance[layer]);
-    for (std::size_t c = 0; c < 3; ++c) layers[3 * layer + c] += value[static_cast<int>(c)];
+    for (std::size_t c = 0; c < 3; ++c) {
+      layers[3 * layer + c] += value[static_cast<int>(c)];
+      layer_squares[3 * layer + c] += value[static_cast<int>(c)] * value[static_cast<int>(c)];
+    }
     if (!chosen[layer]) continue;
     sum += value;
     if (layer != static_cast<std::size_t>(Layer::surface)) subsurface += value;
@@ -90,9 +93,14 @@ void Sums::write_layers(Picture& picture, const std::array<bool, layer_count>& c
     std::vector<float>& below = picture.plane(std::string("variance.subsurface.") + rgb[c]);
     for (std::size_t layer = 0; layer < layer_count; ++layer) {
       if (!chosen[layer]) continue;
-      std::vector<float>& plane = picture.plane(names[layer] + std::string(rgb[c]));
-      for (std::size_t i = 0; i < pixels.size(); ++i)
-        plane[i] = static_cast<float>(pixels[i].layers[3 * layer + c] / n);
+      const std::string name = names[layer] + std::string(rgb[c]);
+      std::vector<float>& plane = picture.plane(name);
+      std::vector<float>& own = picture.plane("variance." + name);
+      for (std::size_t i = 0; i < pixels.size(); ++i) {
+        const double sum = pixels[i].layers[3 * layer + c];
+        plane[i] = static_cast<float>(sum / n);
+        own[i] = static_cast<float>(variance_of_mean(sum, pixels[i].layer_squares[3 * layer + c], n));
+      }
     }
     for (std::size_t i = 0; i < pixels.size(); ++i) {
       double sum = 0, subsurface = 0;

@@ -15,6 +15,7 @@ namespace alabaster {
 /// Of one pixel. Samples are added one by one in their order, so the sums are the same bits however a run is divided.
 struct PixelSums {
   std::array<double, 9> layers{};             // multiple, single, surface; r, g, b innermost
+  std::array<double, 9> layer_squares{};      // likewise
   std::array<double, 3> square{};             // of the sum of the chosen layers
   std::array<double, 3> subsurface_square{};  // of that less `surface`
   double on_object = 0;

@@ -99,7 +99,8 @@ TEST(ReferenceRun, NoiseIsThatOfTheChosenComponents) {
       mean += p.channels.at(channel)[i];
       ++count;
     }
-  EXPECT_NEAR(std::get<double>(p.attributes.at("noise")), std::sqrt(variance * count) / mean, 1e-4 * std::sqrt(variance * count) / mean);
+  EXPECT_NEAR(std::get<double>(p.attributes.at("noise")), std::sqrt(variance * count) / mean,
+              1e-4 * std::sqrt(variance * count) / mean);
 }
 
 TEST(ReferenceRun, ThreadsDoNotChangeABit) {
@@ -157,13 +158,16 @@ TEST(ReferenceRun, MergeIsOneLongerRun) {
   EXPECT_EQ(std::get<double>(merged.attributes.at("samplesPerPixel")), 32);
   EXPECT_EQ(std::get<std::string>(merged.attributes.at("seed")), "0+7");
   for (std::size_t i = 0; i < 20 * 14; ++i) {
-    const double mean_a = a.channels.at("G")[i], mean_b = b.channels.at("G")[i], mean = merged.channels.at("G")[i];
-    EXPECT_NEAR(mean, (8 * mean_a + 24 * mean_b) / 32, 1e-5 * mean);
-    // From first principles: sums of squares of both parts.
-    const double squares = a.channels.at("variance.G")[i] * 8.0 * 7 + 8 * mean_a * mean_a +
-                           b.channels.at("variance.G")[i] * 24.0 * 23 + 24 * mean_b * mean_b;
-    const double expected = (squares - 32 * mean * mean) / (32.0 * 31);
-    EXPECT_NEAR(merged.channels.at("variance.G")[i], expected, 1e-4 * expected + 1e-6);
+    for (const std::string channel : {"G", "multiple.G", "single.G", "surface.G"}) {
+      const double mean_a = a.channels.at(channel)[i], mean_b = b.channels.at(channel)[i],
+                   mean = merged.channels.at(channel)[i];
+      EXPECT_NEAR(mean, (8 * mean_a + 24 * mean_b) / 32, 1e-5 * mean) << channel;
+      // From first principles: sums of squares of both parts.
+      const double squares = a.channels.at("variance." + channel)[i] * 8.0 * 7 + 8 * mean_a * mean_a +
+                             b.channels.at("variance." + channel)[i] * 24.0 * 23 + 24 * mean_b * mean_b;
+      const double expected = (squares - 32 * mean * mean) / (32.0 * 31);
+      EXPECT_NEAR(merged.channels.at("variance." + channel)[i], expected, 1e-4 * expected + 1e-6) << channel;
+    }
   }
   EXPECT_EQ(merged.channels.at("Z"), a.channels.at("Z"));
   EXPECT_THROW(merge({a, a}, {"a.exr", "a.exr"}), UserError);
@@ -173,6 +177,36 @@ TEST(ReferenceRun, MergeIsOneLongerRun) {
   EXPECT_THROW(merge({a, render_reference(changed, options)}, {"a.exr", "c.exr"}), UserError);
   EXPECT_THROW(merge({Picture{20, 14, {}, {}}}, {"x.exr"}), UserError);
   EXPECT_THROW(merge({}, {}), UserError);
+}
+
+// The variances that a picture gives are those that pictures of other seeds have, in the mean over its pixels: few
+// samples, so that a wrong divisor (n for n - 1: 14 %) shows.
+TEST(ReferenceRun, VariancesAreTheScatterOverSeeds) {
+  ReferenceOptions options = small_options();
+  options.samples = 8;
+  const int seeds = 100;
+  const std::vector<std::string> names{"R", "subsurface.R", "multiple.R", "single.R", "surface.R"};
+  const std::size_t pixels = 20 * 14;
+  std::vector<std::vector<double>> sum(names.size(), std::vector<double>(pixels, 0.0)), square = sum;
+  std::vector<double> given(names.size(), 0.0);
+  for (int seed = 0; seed < seeds; ++seed) {
+    options.seed = static_cast<std::uint64_t>(seed);
+    const Picture p = render_reference(small_scene(), options);
+    for (std::size_t k = 0; k < names.size(); ++k)
+      for (std::size_t i = 0; i < pixels; ++i) {
+        const double value = names[k] == "subsurface.R" ? p.channels.at("R")[i] - p.channels.at("surface.R")[i]
+                                                        : p.channels.at(names[k])[i];
+        sum[k][i] += value;
+        square[k][i] += value * value;
+        given[k] += static_cast<double>(p.channels.at("variance." + names[k])[i]) / seeds;
+      }
+  }
+  for (std::size_t k = 0; k < names.size(); ++k) {
+    double scatter = 0;
+    for (std::size_t i = 0; i < pixels; ++i) scatter += (square[k][i] - sum[k][i] * sum[k][i] / seeds) / (seeds - 1);
+    EXPECT_GT(scatter, 0) << names[k];
+    EXPECT_NEAR(given[k], scatter, 0.05 * scatter) << names[k];
+  }
 }
 
 TEST(ReferenceRun, NoiseTargetStopsTheRun) {
