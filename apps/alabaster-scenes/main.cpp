@@ -18,7 +18,8 @@ int main(int argc, char** argv) {
   app.add_option("--meshes", meshes, "folder of the OFF meshes (default: build/meshes)");
   app.footer("Scenes:" + known +
              "\n  MESH-Nmfp-ALBEDO-ETA, for example bunny-50mfp-0.99-1.3"
-             "\n  MESH-MATERIAL-Nmfp-ETA, for example dragon-marble-50mfp-1.3; homogeneous, marble or checker");
+             "\n  MESH-MATERIAL-Nmfp-ETA, for example dragon-marble-50mfp-1.3; homogeneous, marble or checker; with "
+             "-front, -back or -punctual at the end to choose the light");
   app.callback([&] {
     std::error_code error;
     std::filesystem::create_directories(folder, error);

@@ -200,7 +200,16 @@ Scene made(const Recipe& recipe, const std::string& folder) {
 
 bool all_read(const std::string& text, int used) { return std::size_t(used) == text.size(); }
 
-/// Studies compare the object alone: no ground. Those of materials light the dragon and the thin plate from behind.
+/// "-front", "-back" or "-punctual" at a study's end; without, the dragon and the thin plate are lit from behind.
+std::optional<Light> study_light(const std::string& suffix, const std::string& mesh) {
+  if (suffix.empty()) return mesh == "dragon" || mesh == "plate" ? Light::back : Light::front;
+  if (suffix == "-front") return Light::front;
+  if (suffix == "-back") return Light::back;
+  if (suffix == "-punctual") return Light::punctual;
+  return std::nullopt;
+}
+
+/// Studies compare the object alone: no ground.
 std::optional<Recipe> study_recipe(const std::string& name) {
   char mesh[32], material[32];
   double paths, albedo, eta;
@@ -212,12 +221,11 @@ std::optional<Recipe> study_recipe(const std::string& name) {
     return Recipe{name, mesh, Light::front, eta,
                   homogeneous(glm::dvec3(sigma_t * albedo), glm::dvec3(sigma_t * (1 - albedo)))};
   }
-  if (std::sscanf(name.c_str(), "%31[a-z]-%31[a-z]-%lfmfp-%lf%n", mesh, material, &paths, &eta, &used) == 4 &&
-      all_read(name, used) && sane()) {
-    const std::string made_of = material, shape = mesh;
-    if (made_of == "homogeneous" || made_of == "marble" || made_of == "checker")
-      return Recipe{name, mesh, shape == "dragon" || shape == "plate" ? Light::back : Light::front, eta,
-                    study_medium(made_of, paths / height)};
+  if (std::sscanf(name.c_str(), "%31[a-z]-%31[a-z]-%lfmfp-%lf%n", mesh, material, &paths, &eta, &used) == 4 && sane()) {
+    const std::string made_of = material;
+    const std::optional<Light> light = study_light(name.substr(std::size_t(used)), mesh);
+    if (light && (made_of == "homogeneous" || made_of == "marble" || made_of == "checker"))
+      return Recipe{name, mesh, *light, eta, study_medium(made_of, paths / height)};
   }
   return std::nullopt;
 }
@@ -240,8 +248,9 @@ Scene demo_scene(const std::string& name, const std::string& mesh_folder) {
   if (const std::optional<Recipe> study = study_recipe(name)) return made(*study, mesh_folder);
   std::string known;
   for (const std::string& other : demo_scene_names()) known += other + ", ";
-  throw UserError("scene '" + name + "' is not known; use " + known +
-                  "MESH-Nmfp-ALBEDO-ETA or MESH-MATERIAL-Nmfp-ETA (homogeneous, marble, checker)");
+  throw UserError(
+      "scene '" + name + "' is not known; use " + known +
+      "MESH-Nmfp-ALBEDO-ETA or MESH-MATERIAL-Nmfp-ETA (homogeneous, marble, checker), and -front, -back or -punctual");
 }
 
 }  // namespace alabaster

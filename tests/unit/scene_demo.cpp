@@ -68,7 +68,13 @@ TEST(DemoScenes, StudiesOfMaterialsMeasureThemInMeanFreePaths) {
     }
     EXPECT_EQ(scene.objects.size(), 3u) << "the object and two lamps, no ground";
   }
-  for (const char* name : {"torus-gold-50mfp-1.3", "torus-marble-0mfp-1.3", "torus-marble-50mfp"})
+  const auto lamp_of = [](const std::string& name) { return bounds_of(demo_scene(name, "nowhere").objects[1].mesh); };
+  EXPECT_LT(lamp_of("torus-marble-50mfp-1.3-back").high.z, 0);
+  EXPECT_GT(lamp_of("plate-marble-50mfp-1.3-front").low.z, 0);
+  EXPECT_LT(lamp_of("plate-marble-50mfp-1.3").high.z, 0);
+  EXPECT_EQ(demo_scene("torus-marble-50mfp-1.3-punctual", "nowhere").lights.size(), 3u);
+  for (const char* name :
+       {"torus-gold-50mfp-1.3", "torus-marble-0mfp-1.3", "torus-marble-50mfp", "torus-marble-50mfp-1.3-below"})
     EXPECT_THROW(demo_scene(name, "nowhere"), UserError) << name;
 }
 
