@@ -88,6 +88,7 @@ BeamSource::BeamSource(gpu::Context& context, const Domain& domain, const BeamSt
       query_gamma_(context, receivers_.count() * sizeof(glm::vec3), "beam query Gamma"),
       entered_(context, receivers_.count() * sizeof(glm::vec3), "beam entered flux"),
       near_(context, receivers_.count() * sizeof(glm::vec4), "beam near light"),
+      near_unscattered_(context, receivers_.count() * sizeof(glm::vec4), "beam near light of lamps"),
       shares_(context, receivers_.count() * sizeof(glm::vec3), "beam through, shares"),
       through_(context, receivers_.count() * sizeof(glm::vec3), "beam through") {
   const glm::ivec3 n = domain.frame.cells;
@@ -95,6 +96,7 @@ BeamSource::BeamSource(gpu::Context& context, const Domain& domain, const BeamSt
   deposits_ = gpu::Buffer(context, words * sizeof(std::uint32_t), "beam deposits");
   carries_ = gpu::Buffer(context, words * sizeof(std::uint32_t), "beam carries");
   power_ = gpu::image3d(context, {n.x / 4, n.y, n.z * channels}, VK_FORMAT_R32G32B32A32_SFLOAT, "beam power");
+  unscattered_ = gpu::image3d(context, {n.x / 4, n.y, n.z * channels}, VK_FORMAT_R8G8B8A8_UNORM, "beam power of lamps");
 }
 
 void BeamSource::record(gpu::Commands& commands, const Lighting& lighting, const BeamMedium& medium, double eta,
@@ -160,7 +162,9 @@ void BeamSource::record(gpu::Commands& commands, const Lighting& lighting, const
     }
   }
   commands.dispatch(source_, {n.x / 4, n.y, n.z * channels_},
-                    {{"deposits", deposits_}, {"carries", carries_}, {"power", power_}}, push);
+                    {{"deposits", deposits_}, {"carries", carries_}, {"power", power_}, {"unscattered", unscattered_}},
+                    push);
+  if (!more) commands.copy(near_, near_unscattered_, near_.bytes());
   const gpu::Bindings through{{"leaving", leaving_},
                               {"cut_cells", domain_.cut_cells},
                               {"cut_index", domain_.cut_index},

@@ -43,6 +43,10 @@ class BeamSource {
   const gpu::Buffer& through() const { return through_; }
   /// Scattered in the cells, W, packed like kappa.
   const gpu::Image& power() const { return power_; }
+  /// Of power() the share that is light of lamps and the environment, and of near() all that is: no surface has sent
+  /// it. The share in 255ths, packed likewise; near light as near() has it.
+  const gpu::Image& unscattered() const { return unscattered_; }
+  const gpu::Buffer& near_unscattered() const { return near_unscattered_; }
   /// Of the last record() that has run.
   BeamTotals totals() const;
 
@@ -54,8 +58,8 @@ class BeamSource {
   FacetReceivers receivers_;
   gpu::Pass march_, source_, share_, spread_;
   gpu::Buffer deposits_, carries_, counters_, starts_, starts_of_, sides_, leaving_, gamma_s_, query_gamma_, entered_,
-      near_, shares_, through_;
-  gpu::Image power_;
+      near_, near_unscattered_, shares_, through_;
+  gpu::Image power_, unscattered_;
   glm::dvec3 unit_{0};
 };
 

@@ -7,8 +7,9 @@
 namespace alabaster {
 namespace {
 
-gpu::Image cell_image(gpu::Context& context, const Domain& domain, const char* name) {
-  return gpu::image3d(context, domain.frame.cells, VK_FORMAT_R32G32B32A32_SFLOAT, name);
+gpu::Image cell_image(gpu::Context& context, const Domain& domain, const char* name,
+                      VkFormat format = VK_FORMAT_R32G32B32A32_SFLOAT) {
+  return gpu::image3d(context, domain.frame.cells, format, name);
 }
 
 /// An odd stride: both sides of cells come in turn.
@@ -64,12 +65,14 @@ GatherExit::GatherExit(gpu::Context& context, const Domain& domain, const Diffus
       edge_(level_edge(context, domain, diffusion)),
       fluence_pass_(context, "shading/beam_fluence.comp"),
       spread_pass_(context, "shading/spread_facets.comp"),
+      unscattered_pass_(context, "shading/unscattered.comp"),
       level_pass_(context, "shading/gather_level.comp"),
       linear_(context, gpu::Filter::linear),
       grid_(gpu::make_buffer(context, gather_grid(ray_grid(domain, diffusion, eta), edge_), "gather grid")),
       fluxes_(context, push_.count * sizeof(GatherFlux), "gather fluxes", gpu::Memory::host),
       fluence_(cell_image(context, domain, "beam fluence")),
-      near_{cell_image(context, domain, "near light, up"), cell_image(context, domain, "near light, down")} {}
+      near_{cell_image(context, domain, "near light, up"), cell_image(context, domain, "near light, down")},
+      unscattered_(cell_image(context, domain, "share of lamps' beams", VK_FORMAT_R8G8B8A8_UNORM)) {}
 
 gpu::Bindings GatherExit::ray_bindings() const {
   gpu::Bindings bindings = way_bindings(grid_, domain_, diffusion_);
@@ -77,6 +80,7 @@ gpu::Bindings GatherExit::ray_bindings() const {
        {rays_.bindings(), gpu::Bindings{{"beam_fluence", fluence_, linear_},
                                         {"near_up", near_[0], linear_},
                                         {"near_down", near_[1], linear_},
+                                        {"unscattered", unscattered_, linear_},
                                         {"field_up", diffusion_.surface(0), linear_},
                                         {"field_down", diffusion_.surface(1), linear_},
                                         {"drive_up", diffusion_.surface_gamma(0), linear_},
@@ -110,6 +114,15 @@ void GatherExit::update() {
                        {"up", near_[0]},
                        {"down", near_[1]}},
                       GatherPicturePush{domain_.frame.cells, static_cast<int>(domain_.summary.cut_cells) + 1});
+    commands.dispatch(unscattered_pass_, glm::uvec3(domain_.frame.cells),
+                      {{"grid", grid_},
+                       {"power", beam_.power()},
+                       {"power_share", beam_.unscattered()},
+                       {"cut_index", domain_.cut_index},
+                       {"cut_cells", domain_.cut_cells},
+                       {"near_light", beam_.near()},
+                       {"near_unscattered", beam_.near_unscattered()},
+                       {"share", unscattered_}});
     gpu::Bindings bindings = ray_bindings();
     bindings.push_back({"fluxes", fluxes_});
     commands.dispatch(level_pass_, {push_.count, 1, 1}, bindings, push_);

@@ -28,6 +28,8 @@ class GatherExit {
   /// mean cosine; GatherFlux of the sides k * stride().
   const gpu::Image& fluence() const { return fluence_; }
   const gpu::Image& near(int side) const { return near_[side]; }
+  /// Of both, per channel, the share that no surface has sent (1: all): what of them is single scattering.
+  const gpu::Image& unscattered() const { return unscattered_; }
   const gpu::Buffer& fluxes() const { return fluxes_; }
   std::uint32_t stride() const { return push_.stride; }
 
@@ -45,10 +47,10 @@ class GatherExit {
   GatherLevelPush push_;
   std::vector<GatherPlace> places_;  // those asked
   float edge_;                       // of the levels, cells
-  gpu::Pass fluence_pass_, spread_pass_, level_pass_;
+  gpu::Pass fluence_pass_, spread_pass_, unscattered_pass_, level_pass_;
   gpu::Sampler linear_;
   gpu::Buffer grid_, fluxes_;
-  gpu::Image fluence_, near_[2], level_image_;
+  gpu::Image fluence_, near_[2], unscattered_, level_image_;
   std::optional<GatherLevels> levels_;
 };
 

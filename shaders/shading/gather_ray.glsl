@@ -1,5 +1,5 @@
 // What arrives at a point of the surface from inside, along one direction: the source sigma_s' (phi + phi_b) gathered along the
-// ray, phi_b with its closure, and at its far end what the surface there mirrors. Takes bindings 11, 12 and 16 to 28.
+// ray, phi_b with its closure, and at its far end what the surface there mirrors. Takes bindings 11, 12 and 16 to 29.
 #include "domain/facet_class.glsl"
 #include "lighting/ray_tree.glsl"
 #include "shared/domain.h"
@@ -17,6 +17,7 @@ layout(binding = 25) uniform sampler3D field_up;      // phi for the surface's t
 layout(binding = 26) uniform sampler3D field_down;
 layout(binding = 27) uniform sampler3D drive_up;      // the query's Gamma
 layout(binding = 28) uniform sampler3D drive_down;
+layout(binding = 29) uniform sampler3D unscattered;  // share of the beams' light that no surface has sent
 #define GRID grid
 #include "domain/way.glsl"
 #include "domain/way_end.glsl"
@@ -51,7 +52,7 @@ vec2 closure_of(float albedo) {
   return mix(grid.closure[before], grid.closure[before + 1], place - float(before));
 }
 
-// 4 pi times radiance, W/m^2: all that arrives, and of it what was scattered once (sigma_s' phi_b).
+// 4 pi times radiance, W/m^2: all that arrives, and of it what was scattered once (sigma_s' phi_b, of lamps and sky alone).
 struct Gathered {
   vec3 all, single;
   bool open;  // light goes through straight
@@ -70,10 +71,11 @@ void add_near(vec3 p, vec3 normal, Solid s, float view, vec3 tau, bool behind, i
   const bool down = (facet_class(normal) & 1) == 1;
   const vec4 near_ = down ? texture(near_down, place_of(p)) : texture(near_up, place_of(p));
   const float depth = near_depth_at(p, normal, down);
+  const vec3 own = texture(unscattered, place_of(p)).rgb;
   for (int c = 0; c < 3; ++c) {
     const NearLight n = NearLight(near_[c], max(near_.a, 0.05), max(depth * s.sigma_t[c], 1e-4), s.albedo[c], view, tau[c]);
     const float once = behind ? near_single_behind(n) : near_single(n);
-    sum.single[c] += once;
+    sum.single[c] += own[c] * once;
     sum.all[c] += dot(closure_of(s.albedo[c]), vec2(behind ? -near_surplus_behind(n) : -near_surplus(n), once));
   }
 }
@@ -122,11 +124,12 @@ Gathered gather_along(vec3 from, vec3 normal, vec3 along, float follow) {
       step_on(w);
       continue;
     }
+    const vec3 own = texture(unscattered, place_of(w.from + (w.at + 0.5 * length_) * along)).rgb;
     for (int c = 0; c < 3; ++c) {
       if (c > 0 && grid.channels == 1) break;
       const vec3 p = w.from + (w.at + length_ * loss_place(depth[c])) * along;
       const float beams = texture(beam_fluence, place_of(p))[c], scattered = lost[c] * s.albedo[c];
-      sum.single[c] += scattered * beams;
+      sum.single[c] += own[c] * scattered * beams;
       sum.all[c] += scattered * dot(closure_of(s.albedo[c]), vec2(field(p, side_at(p, w.cell, down))[c], beams));
     }
     left -= lost;

@@ -1,6 +1,7 @@
-// shading/gather_level.comp and gathered.comp against the gather in double precision: a torus of two media under a
-// lamp, whose rays end on far sides, are mirrored there or fade.
+// shading/gather_level.comp, gathered.comp and unscattered.comp against the gather in double precision: a torus of two
+// media under a lamp, whose rays end on far sides, are mirrored there or fade; other surfaces light one side of it.
 #include "shading/shading.h"
+#include "shared/exchange.h"
 #include "support/gather_twin.h"
 #include "support/lit_scene.h"
 
@@ -21,6 +22,9 @@ class ShadingGather : public GpuTest {
     gpu::Commands commands(context);
     beam.record(commands, lit.lighting, {d.kappa(), d.absorption(), d.facet_medium(), d.kappa_scale(), 3}, eta);
     commands.submit();
+    lamp_power = gpu::download<float>(context, beam.power());
+    lamp_near = gpu::download<glm::vec4>(context, beam.near());
+    light_by_surfaces();
     FacetLight light(beam.gamma_s(), 2);
     light.query = &beam.query_gamma();
     light.entered = &beam.entered();
@@ -31,12 +35,76 @@ class ShadingGather : public GpuTest {
     gather.update();
   }
 
+  /// Where x > 0 every second direction of a facet meets a surface of one radiance, the others nothing.
+  void light_by_surfaces() {
+    constexpr std::uint32_t directions = 4;
+    std::vector<std::uint32_t> side_of(2 * body.cut_cells().size(), sky_no_side), links;
+    std::vector<std::uint32_t> seen;
+    for (std::uint32_t entry = 2; entry < side_of.size(); ++entry) {
+      if (body.cut_cells()[entry / 2].side[entry % 2].area <= 0) continue;
+      side_of[entry] = static_cast<std::uint32_t>(seen.size());
+      seen.push_back(2 * body.cut_cells()[entry / 2].cell.x > body.domain().frame.cells.x ? 0 : link_dark);
+    }
+    for (std::uint32_t k = 0; k < directions; ++k)
+      for (const std::uint32_t emitter : seen) links.push_back(k % 2 ? link_dark : emitter);
+    const gpu::Buffer of = gpu::make_buffer(context, side_of, "side of"),
+                      along = gpu::make_buffer(context, links, "links"),
+                      sent = gpu::make_buffer(context, std::vector<glm::vec3>{{4, 2, 1}}, "sent"),
+                      mirrored = gpu::make_buffer(context, std::vector<glm::vec3>{{0, 0, 0}}, "mirrored");
+    const Diffusion& d = body.diffusion();
+    gpu::Commands commands(context);
+    beam.record(commands, lit.lighting, {d.kappa(), d.absorption(), d.facet_medium(), d.kappa_scale(), 3}, eta,
+                {&along, &of, &sent, &mirrored, {static_cast<std::uint32_t>(seen.size()), directions, 0}}, true);
+    commands.submit();
+  }
+
   const LitScene lit{context, scene(), {8, 0, 256}};
   const Mesh mesh = scene().objects[0].mesh;
   Body body{context, mesh, 20, layered, 3, eta};
   BeamSource beam{context, body.domain(), mesh_starts(mesh, body.domain().frame, body.cut_cells()), 3};
   GatherExit gather{context, body.domain(), body.diffusion(), beam, lit.meshes.rays, eta};
+  std::vector<float> lamp_power;  // before surfaces' light came in
+  std::vector<glm::vec4> lamp_near;
 };
+
+TEST_F(ShadingGather, UnscatteredIsTheLampsShare) {
+  const glm::ivec3 n = body.domain().frame.cells;
+  const double h = body.domain().frame.h;
+  const auto power = gpu::download<float>(context, beam.power());
+  const auto near = gpu::download<glm::vec4>(context, beam.near());
+  const auto index = gpu::download<std::uint32_t>(context, body.domain().cut_index);
+  const auto found = gpu::download<std::uint32_t>(context, gather.unscattered());
+  ASSERT_EQ(found.size(), index.size());
+  int all_lamps = 0, part = 0;
+  for (int i = 0; i < int(found.size()); ++i) {
+    const glm::ivec3 cell(i % n.x, i / n.x % n.y, i / (n.x * n.y));
+    glm::dvec3 all(0), own(0);
+    for (int k = 0; k < 27; ++k) {
+      const glm::ivec3 d = glm::ivec3(k % 3, k / 3 % 3, k / 9) - 1, c = cell + d;
+      if (!glm::all(glm::lessThan(glm::uvec3(c), glm::uvec3(n)))) continue;
+      const double weight = std::exp2(-(std::abs(d.x) + std::abs(d.y) + std::abs(d.z)));
+      const std::size_t at = c.x + std::size_t(n.x) * (c.y + std::size_t(n.y) * c.z);
+      for (int channel = 0; channel < 3; ++channel) {
+        all[channel] += weight * power[channel * index.size() + at];
+        own[channel] += weight * lamp_power[channel * index.size() + at];
+      }
+      for (std::size_t s = 0; index[at] && s < 2; ++s) {
+        const double area = weight * body.cut_cells()[index[at]].side[s].area * h * h;
+        all += area * glm::dvec3(near[2 * index[at] + s]);
+        own += area * glm::dvec3(lamp_near[2 * index[at] + s]);
+      }
+    }
+    const glm::vec4 share = glm::unpackUnorm4x8(found[std::size_t(i)]);
+    for (int channel = 0; channel < 3; ++channel) {
+      const double exact = all[channel] > 0 ? own[channel] / all[channel] : 1;
+      ASSERT_NEAR(share[channel], exact, 1.1 / 255) << i;  // rounded twice to 255ths
+      all_lamps += all[channel] > 0 && exact > 0.999;
+      part += exact < 0.9;
+    }
+  }
+  EXPECT_GT(all_lamps, 1000);
+  EXPECT_GT(part, 1000);
+}
 
 TEST_F(ShadingGather, LevelEqualsTwin) {
   const GatherTwin twin(context, body, gather, mesh, eta);

@@ -119,6 +119,33 @@ TEST_F(SinglePictures, LayersAddUp) {
   }
 }
 
+// Light that another surface has sent was scattered before: the layer of a concave object is the same without it. At
+// eta 1 no surface mirrors, which would be single scattering.
+TEST_F(SinglePictures, TheGathersLayerHasNoLightThatSurfacesSent) {
+  Scene scene = lit_scene(torus(1, 0.4f, 48, 24), medium_of(20, 0.99), 1);
+  scene.objects[1].mesh =
+      transformed(quad(2, 2), glm::dmat4(look_at({0, 6, 0.5}, {0, 0, 0})) * rotation({1, 0, 0}, -90));
+  const Picture with = render(scene, all_components, Transport::gather, {48, 36}).shaded.picture;
+  Request request;
+  request.grid = 32, request.size = {48, 36}, request.light_samples = 16;
+  request.transport = Transport::gather, request.components = all_components;
+  request.interreflections = 0;
+  const Picture without =
+      render_scene(context, scene, make_plan(scene, request, context.info().heap_bytes)).shaded.picture;
+  double worst = 0;
+  for (std::size_t i = 0; i < with.channels.at("single.G").size(); ++i)
+    worst = std::max<double>(worst, std::abs(with.channels.at("single.G")[i] - without.channels.at("single.G")[i]));
+  const double single = mean_of(with, "single.") / mean_of(without, "single.") - 1,
+               multiple = mean_of(with, "multiple.") / mean_of(without, "multiple.") - 1,
+               brightest =
+                   *std::max_element(without.channels.at("single.G").begin(), without.channels.at("single.G").end());
+  std::printf("light between surfaces changes single by %+.4f, the rest by %+.4f; a pixel of single by %.4f at most\n",
+              single, multiple, worst / brightest);
+  EXPECT_GT(multiple, 0.02);
+  EXPECT_LT(std::abs(single), 0.003);
+  EXPECT_LT(worst, 0.05 * brightest);
+}
+
 // What single scattering carries out is missing from the rest, no more and no less.
 TEST_F(SinglePictures, TheFurnaceHolds) {
   for (Transport transport : {Transport::report, Transport::beam})

@@ -30,6 +30,8 @@ class GatherTwin {
         absorption_(gpu::download<float>(context, body.diffusion().absorption())),
         scale_(body.diffusion().kappa_scale()),
         fluence_(gpu::download<glm::vec4>(context, gather.fluence())) {
+    for (const std::uint32_t texel : gpu::download<std::uint32_t>(context, gather.unscattered()))
+      unscattered_.push_back(glm::unpackUnorm4x8(texel));
     for (int s = 0; s < 2; ++s) {
       near_[s] = gpu::download<glm::vec4>(context, gather.near(s));
       field_[s] = gpu::download<glm::vec4>(context, body.diffusion().surface(s));
@@ -83,7 +85,7 @@ class GatherTwin {
           const glm::dvec3 p = from + (at + length * loss_place<double>(depth)) * along;
           const GatherClosure closure = closure_of(s.albedo[c]);
           const double phi = std::max(0.0, sample(field_[nearer(p, cell, side)], p)[c]), beams = sample(fluence_, p)[c];
-          sum.single[c] += lost * beams;
+          sum.single[c] += lost * beams * sample(unscattered_, from + (at + 0.5 * length) * along)[c];
           sum.all[c] += lost * (closure.diffuse * phi + closure.beams * beams);
           left[c] *= std::exp(-depth);
         }
@@ -197,7 +199,7 @@ class GatherTwin {
                         float(tau[c])};
       const double once = behind ? near_single_behind(n) : near_single(n);
       const GatherClosure closure = closure_of(s.albedo[c]);
-      sum.single[c] += once;
+      sum.single[c] += once * sample(unscattered_, p)[c];
       sum.all[c] += closure.beams * once - closure.diffuse * (behind ? near_surplus_behind(n) : near_surplus(n));
     }
   }
@@ -210,7 +212,7 @@ class GatherTwin {
   const std::vector<float> volume_, kappa_, absorption_;
   const glm::dvec3 scale_;
   const std::vector<glm::vec4> fluence_;
-  std::vector<glm::vec4> near_[2], field_[2], drive_[2];
+  std::vector<glm::vec4> unscattered_, near_[2], field_[2], drive_[2];
   std::vector<std::array<glm::dvec3, 3>> triangles_;  // h
 };
 
