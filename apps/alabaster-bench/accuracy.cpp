@@ -9,6 +9,7 @@
 #include "compare/gallery.h"
 #include "image/whole_file.h"
 #include "judge.h"
+#include "summary.h"
 
 namespace alabaster {
 namespace {
@@ -62,8 +63,7 @@ Cell cell_of(const std::optional<nlohmann::json>& figures) {
   Cell cell;
   if (!figures) return cell;
   const nlohmann::json& z = figures->at("z_test");
-  const double rmse =
-      z.is_object() ? z.at("noise_corrected_rmse").get<double>() : figures->at("relative_rmse").get<double>();
+  const double rmse = rmse_of(*figures);
   if (z.is_object()) cell.noise = z.at("noise").get<double>();
   char text[64];
   std::snprintf(text, sizeof text, " %.1f%s / %+.1f |", 100 * rmse, z.is_object() ? "" : "*",
@@ -103,7 +103,8 @@ class Table {
       std::printf("%s", row.label.c_str());
       double noise = 0;
       for (const std::string& scene : row.scenes)
-        for (const Verdict& verdict : judged(scene)) noise = std::max(noise, print_cells(verdict));
+        for (const Verdict& verdict : judged(scene))
+          for (double of_layer : print_cells(verdict)) noise = std::max(noise, of_layer);
       std::printf(" %.1f |\n", 100 * noise);
     }
   }
@@ -118,11 +119,19 @@ class Table {
         for (const Verdict& verdict : judged(scene)) {
           std::printf("| %s |%s", scene.c_str(),
                       split_of(a_.judge, " " + verdict.transport, " " + verdict.grid + "^3", " |").c_str());
-          std::printf(" %.1f |\n", 100 * print_cells(verdict));
+          std::string noise;
+          for (double of_layer : print_cells(verdict)) {
+            char text[32] = "-";
+            if (of_layer > 0) std::snprintf(text, sizeof text, "%.1f", 100 * of_layer);
+            noise += (noise.empty() ? " " : " / ") + std::string(text);
+          }
+          std::printf("%s |\n", noise.c_str());
         }
   }
 
   void write() const {
+    const std::string summary = summary_of(json_);
+    if (!summary.empty()) std::printf("\n%s", summary.c_str());
     if (!a_.json.empty()) write_whole_file(a_.json, json_.dump(2) + "\n");
     if (!a_.gallery.empty()) write_gallery(gallery_, 2, a_.gallery);
   }
@@ -137,13 +146,13 @@ class Table {
     return verdicts;
   }
 
-  /// Returns the noise, the largest that is known.
-  double print_cells(const Verdict& verdict) const {
-    double noise = 0;
+  /// Returns the reference's noise in each layer, 0 where it is not known.
+  std::vector<double> print_cells(const Verdict& verdict) const {
+    std::vector<double> noise;
     for (const auto& figures : verdict.figures) {
       const Cell cell = cell_of(figures);
       std::printf("%s", cell.text.c_str());
-      noise = std::max(noise, cell.noise);
+      noise.push_back(cell.noise);
     }
     std::fflush(stdout);
     return noise;

@@ -253,4 +253,11 @@ Scene demo_scene(const std::string& name, const std::string& mesh_folder) {
       "MESH-Nmfp-ALBEDO-ETA or MESH-MATERIAL-Nmfp-ETA (homogeneous, marble, checker), and -front, -back or -punctual");
 }
 
+bool lit_from_behind(const std::string& name) {
+  for (const Recipe& recipe : recipes())
+    if (recipe.name == name) return recipe.light == Light::back;
+  const std::optional<Recipe> study = study_recipe(name);
+  return study && study->light == Light::back;
+}
+
 }  // namespace alabaster

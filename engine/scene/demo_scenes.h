@@ -17,4 +17,7 @@ std::vector<std::string> demo_scene_names();
 /// Throws UserError for an unknown name or a mesh that is missing.
 Scene demo_scene(const std::string& name, const std::string& mesh_folder);
 
+/// Whether that scene's brightest lamp stands behind the object. False for an unknown name.
+bool lit_from_behind(const std::string& name);
+
 }  // namespace alabaster

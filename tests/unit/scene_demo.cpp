@@ -73,6 +73,10 @@ TEST(DemoScenes, StudiesOfMaterialsMeasureThemInMeanFreePaths) {
   EXPECT_GT(lamp_of("plate-marble-50mfp-1.3-front").low.z, 0);
   EXPECT_LT(lamp_of("plate-marble-50mfp-1.3").high.z, 0);
   EXPECT_EQ(demo_scene("torus-marble-50mfp-1.3-punctual", "nowhere").lights.size(), 3u);
+  for (const char* name : {"torus-marble-50mfp-1.3-back", "plate-marble-50mfp-1.3", "plate-leaf"})
+    EXPECT_TRUE(lit_from_behind(name)) << name;
+  for (const char* name : {"plate-marble-50mfp-1.3-front", "torus-marble-50mfp-1.3", "torus-wax", "cow"})
+    EXPECT_FALSE(lit_from_behind(name)) << name;
   for (const char* name :
        {"torus-gold-50mfp-1.3", "torus-marble-0mfp-1.3", "torus-marble-50mfp", "torus-marble-50mfp-1.3-below"})
     EXPECT_THROW(demo_scene(name, "nowhere"), UserError) << name;
