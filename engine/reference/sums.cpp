@@ -13,6 +13,7 @@
 namespace alabaster {
 namespace {
 
+// The last one counts the layouts: 1 had no squares of the layers.
 constexpr char magic[8] = {'a', 'l', 'a', 'b', 's', 'u', 'm', '2'};
 struct StateHeader {
   char magic[8];
@@ -137,6 +138,8 @@ bool Sums::load(const std::string& path) {
   StateHeader header{};
   file.read(reinterpret_cast<char*>(&header), sizeof header);
   const auto bytes = static_cast<std::streamsize>(pixels.size() * sizeof(PixelSums));
+  if (file && std::memcmp(header.magic, magic, sizeof magic - 1) == 0 && header.magic[7] != magic[7])
+    throw UserError(path + ": was made by another version of this program; remove it to start anew");
   if (!file || std::memcmp(header.magic, magic, sizeof magic) != 0)
     throw UserError(path + ": is not a state file of the reference; remove it to start anew");
   if (header.width != width || header.height != height || header.fingerprint != fingerprint)

@@ -138,6 +138,19 @@ TEST(ReferenceRun, StateOfAnotherSceneIsRefused) {
   options.keep_state = options.resume = true;
   std::filesystem::remove(options.state_path);
   render_reference(small_scene(), options);
+  {
+    std::fstream file(options.state_path, std::ios::in | std::ios::out | std::ios::binary);
+    file.seekp(7);
+    file.put('1');
+  }
+  try {
+    render_reference(small_scene(), options);
+    ADD_FAILURE() << "sums without the layers' squares were taken";
+  } catch (const UserError& error) {
+    EXPECT_NE(std::string(error.what()).find("another version"), std::string::npos) << error.what();
+  }
+  std::filesystem::remove(options.state_path);
+  render_reference(small_scene(), options);
   Scene changed = small_scene();
   changed.objects[0].medium.g = 0.31;
   EXPECT_THROW(render_reference(changed, options), UserError);
