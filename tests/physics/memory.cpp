@@ -32,7 +32,7 @@ TEST_F(Memory, LargestGridThatFitsIsNamedAndFits) {
   } catch (const UserError& error) {
     said = error.what();
   }
-  const std::size_t at = said.find("8 to ");
+  const std::size_t at = said.find("4 to ");
   ASSERT_NE(at, std::string::npos) << said;
   const int most = std::stoi(said.substr(at + 5));
   EXPECT_GT(most, 100);
