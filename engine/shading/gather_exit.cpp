@@ -122,6 +122,9 @@ void GatherExit::update() {
                        {"cut_cells", domain_.cut_cells},
                        {"near_light", beam_.near()},
                        {"near_unscattered", beam_.near_unscattered()},
+                       {"fluence", fluence_},
+                       {"near_up", near_[0]},
+                       {"near_down", near_[1]},
                        {"share", unscattered_}});
     gpu::Bindings bindings = ray_bindings();
     bindings.push_back({"fluxes", fluxes_});

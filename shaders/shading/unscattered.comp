@@ -14,12 +14,16 @@ layout(binding = 4, scalar) readonly buffer CutCells { GpuCutCell cut_cells[]; }
 layout(binding = 5, scalar) readonly buffer Near { vec4 near_light[]; };                 // W/m^2, two a cut cell
 layout(binding = 6, scalar) readonly buffer NearUnscattered { vec4 near_unscattered[]; };  // of it, not sent by surfaces
 layout(binding = 7, rgba8) uniform writeonly image3D share;  // one texel a cell
+layout(binding = 8, rgba32f) uniform readonly image3D fluence;    // of beam_fluence.comp: dark where no power is near
+layout(binding = 9, rgba32f) uniform readonly image3D near_up;    // of spread_facets.comp
+layout(binding = 10, rgba32f) uniform readonly image3D near_down;
 
 void main() {
   const ivec3 cell = ivec3(gl_GlobalInvocationID);
   if (any(greaterThanEqual(cell, grid.cells))) return;
   vec3 all = vec3(0), own = vec3(0);  // W
-  for (int n = 0; n < 27; ++n) {
+  const bool dark = imageLoad(fluence, cell).rgb + imageLoad(near_up, cell).rgb + imageLoad(near_down, cell).rgb == vec3(0);
+  for (int n = dark ? 27 : 0; n < 27; ++n) {
     const ivec3 d = ivec3(n % 3, n / 3 % 3, n / 9) - 1, c = cell + d;
     if (any(lessThan(c, ivec3(0))) || any(greaterThanEqual(c, grid.cells))) continue;
     const float weight = exp2(-float(abs(d.x) + abs(d.y) + abs(d.z)));
@@ -30,8 +34,7 @@ void main() {
       own[k] += watts * imageLoad(power_share, texel)[c.x & 3];
     }
     const uint index = imageLoad(cut_index, c).r;
-    if (index == 0) continue;
-    for (uint s = 0; s < 2; ++s) {
+    for (uint s = index == 0 ? 2 : 0; s < 2; ++s) {  // a CPU's lanes would run what stands in an `if`
       const float area = weight * cut_cells[index].side[s].area * grid.h * grid.h;
       all += area * near_light[2 * index + s].rgb;
       own += area * near_unscattered[2 * index + s].rgb;
