@@ -20,14 +20,14 @@ struct Variant {
 const std::vector<Variant>& variants() {
   const std::string components = "--components", transport = "--transport";
   static const std::vector<Variant> all{
-      {"multiple, report", {components, "multiple", "--interreflections", "0"}},
-      {"+ surface", {components, "multiple,surface", "--interreflections", "0"}, 0},
-      {"+ light between surfaces (the default)", {components, "multiple,surface"}, 1},
-      {"+ single by itself", {components, "multiple,single,surface"}, 2},
-      {"the default, directional", {components, "multiple,surface", transport, "directional"}, 2},
-      {"the default, beam", {components, "multiple,surface", transport, "beam"}, 2},
-      {"the default, gather", {components, "multiple,surface", transport, "gather"}, 2},
-      {"gather + single by itself", {components, "multiple,single,surface", transport, "gather"}, 6}};
+      {"multiple, report", {transport, "report", components, "multiple", "--interreflections", "0"}},
+      {"+ surface", {transport, "report", components, "multiple,surface", "--interreflections", "0"}, 0},
+      {"+ light between surfaces", {transport, "report", components, "multiple,surface"}, 1},
+      {"+ single by itself", {transport, "report", components, "multiple,single,surface"}, 2},
+      {"the third by directional", {transport, "directional", components, "multiple,surface"}, 2},
+      {"the third by beam", {transport, "beam", components, "multiple,surface"}, 2},
+      {"the third by gather", {transport, "gather", components, "multiple,surface"}, 2},
+      {"gather + single by itself (the default)", {transport, "gather", components, "multiple,single,surface"}, 6}};
   return all;
 }
 
