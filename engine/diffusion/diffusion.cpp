@@ -42,18 +42,21 @@ gpu::Image cut_table(gpu::Context& context, std::size_t count, int layers, const
 
 FluencePasses::FluencePasses(gpu::Context& c)
     : points{c, "diffusion/points.comp"},
+      conductances{c, "diffusion/conductances.comp"},
       assemble{c, "diffusion/operator.comp", {1}},
       scale{c, "diffusion/scale.comp"},
       facets{{c, "diffusion/facets.comp", {0}}, {c, "diffusion/facets.comp", {1}}},
-      source{{{c, "diffusion/source.comp", {1, 0, 0}}, {c, "diffusion/source.comp", {1, 0, 1}}},
-             {{c, "diffusion/source.comp", {1, 1, 0}}, {c, "diffusion/source.comp", {1, 1, 1}}}},
+      rim{c, "diffusion/rim.comp"},
+      power{c, "diffusion/power.comp", {1}},
+      source{{{c, "diffusion/source.comp", {0, 0}}, {c, "diffusion/source.comp", {0, 1}}},
+             {{c, "diffusion/source.comp", {1, 0}}, {c, "diffusion/source.comp", {1, 1}}}},
       rescale{c, "diffusion/rescale.comp", {1}},
       absorbed{c, "diffusion/absorbed.comp", {1}},
       energy{c, "diffusion/energy.comp"},
       gradient{c, "diffusion/gradient.comp"},
       carry{c, "diffusion/carry.comp"},
-      inner{c, "diffusion/inner.comp"},
-      surface{c, "diffusion/surface.comp"},
+      inner{{c, "diffusion/inner.comp", {1, 1}}, {c, "diffusion/inner.comp", {1, 3}}},
+      surface{{c, "diffusion/surface.comp", {1}}, {c, "diffusion/surface.comp", {3}}},
       exit{{c, "diffusion/exit.comp", {0}}, {c, "diffusion/exit.comp", {1}}} {}
 
 double EnergyBalance::imbalance() const {
@@ -81,12 +84,13 @@ Diffusion::Diffusion(gpu::Context& context, const DiffusionPasses& solver_passes
       lines_(cut_table(context, cut_count_, 2 * medium.channels, "surface lines")),
       side_lights_(cut_table(context, cut_count_, 2, "surface lights")),
       gradients_(cut_table(context, cut_count_, medium.channels, "surface gradients")),
+      conductances_(cut_table(context, cut_count_, medium.channels, "facet conductances")),
+      face_fluxes_(cut_table(context, cut_count_, 2 * medium.channels, "face corrections")),
+      rim_(find_rim(context, domain)),
       facets_(context, cut_count_ * sizeof(FacetMedium), "facet medium"),
-      conductances_(context, std::size_t(medium.channels) * cut_count_ * sizeof(float), "facet conductances"),
       scales_(context, medium.channels * sizeof(FluenceScale), "fluence scales", gpu::Memory::host),
       energy_sums_(context, medium.channels * sizeof(EnergySums), "energy sums", gpu::Memory::host),
-      cell_sources_(context, std::size_t(medium.channels) * cut_count_ * sizeof(float), "cut cell sources"),
-      face_fluxes_(context, std::size_t(medium.channels) * cut_count_ * 6 * sizeof(float), "face corrections"),
+      cell_sources_(context, std::size_t(medium.channels) * (cut_count_ + rim_.cells) * sizeof(float), "cell sources"),
       facet_offsets_(context, std::size_t(medium.channels) * cut_count_ * sizeof(float), "facet corrections"),
       options_(options),
       multigrid_(context, solver_passes, domain.frame.cells, medium.channels, active_cells(context, domain),
@@ -109,10 +113,17 @@ void Diffusion::set_medium(MediumSamples medium) {
   gpu::upload(context_, absorption_, medium.absorption);
   gpu::upload(context_, facets_, medium.facets);
   medium = {};  // the set-up that follows is where host memory peaks
-  const glm::vec3 resistance(A_ * kappa_scale_ / double(domain_.frame.h));
+  const OperatorPush push{domain_.frame.cells, cut_count_, glm::vec3(A_ * kappa_scale_ / double(domain_.frame.h)),
+                          glm::vec3(kappa_scale_)};
   gpu::Commands commands(context_);
   {
     const auto scope = commands.time("diffusion operator");
+    commands.dispatch(passes_.conductances, {cut_count_, multigrid_.channels(), 1},
+                      {{"cut_index", domain_.cut_index},
+                       {"cut_cells", domain_.cut_cells},
+                       {"facets", facets_},
+                       {"conductances", conductances_}},
+                      push);
     commands.dispatch(passes_.assemble, multigrid_.threads(0),
                       {{"bricks", multigrid_.bricks().packed},
                        {"cut_index", domain_.cut_index},
@@ -121,11 +132,11 @@ void Diffusion::set_medium(MediumSamples medium) {
                        {"aperture_x", domain_.aperture[0]},
                        {"aperture_y", domain_.aperture[1]},
                        {"aperture_z", domain_.aperture[2]},
-                       {"facets", facets_},
+                       {"points", points_},
                        {"absorption", absorption_},
                        {"stencil", multigrid_.finest().stencil},
                        {"conductances", conductances_}},
-                      OperatorPush{domain_.frame.cells, cut_count_, resistance, glm::vec3(kappa_scale_)});
+                      push);
   }
   commands.submit();
   multigrid_.refresh();
@@ -161,17 +172,24 @@ void Diffusion::record_source(gpu::Commands& commands, const FacetLight& light, 
                      {"face_fluxes", face_fluxes_},
                      {"facet_offsets", facet_offsets_}},
                     surface_push(light.sides));
-  const glm::vec3 per_power(1.0 / (kappa_scale_ * double(domain_.frame.h)));
-  commands.dispatch(passes_.source[corrected][light.volume != nullptr], multigrid_.threads(0),
-                    {{"bricks", multigrid_.bricks().packed},
-                     {"cut_index", domain_.cut_index},
-                     {"cut_cells", domain_.cut_cells},
-                     {"cell_sources", cell_sources_},
-                     {"face_fluxes", face_fluxes_},
-                     {"scales", scales_},
-                     {"volume_power", light.volume ? *light.volume : absorption_},
-                     {"rhs", pcg_.rhs()}},
-                    SourcePush{domain_.frame.cells, cut_count_, per_power});
+  const SourcePush push{domain_.frame.cells, cut_count_, rim_.cells, rim_.texels,
+                        glm::vec3(1.0 / (kappa_scale_ * double(domain_.frame.h)))};
+  if (corrected)
+    commands.dispatch(passes_.rim, {rim_.cells, multigrid_.channels(), 1},
+                      {{"rim_cells", rim_.cell_table}, {"face_fluxes", face_fluxes_}, {"cell_sources", cell_sources_}},
+                      push);
+  if (light.volume)
+    commands.dispatch(passes_.power, multigrid_.threads(0),
+                      {{"bricks", multigrid_.bricks().packed},
+                       {"scales", scales_},
+                       {"volume_power", *light.volume},
+                       {"rhs", pcg_.rhs()}},
+                      push);
+  else if (power_in_cells_)
+    commands.clear(pcg_.rhs());
+  power_in_cells_ = light.volume != nullptr;
+  commands.dispatch(passes_.source[corrected][power_in_cells_], {rim_.texels, multigrid_.channels(), 1},
+                    {{"rim_texels", rim_.texel_table}, {"cell_sources", cell_sources_}, {"rhs", pcg_.rhs()}}, push);
 }
 
 void Diffusion::record_rescale(gpu::Commands& commands) {
@@ -188,6 +206,7 @@ void Diffusion::record_gradients(gpu::Commands& commands, const FacetLight& ligh
   commands.dispatch(passes_.gradient, {cut_count_, multigrid_.channels(), 1},
                     {{"cut_index", domain_.cut_index},
                      {"cut_cells", domain_.cut_cells},
+                     {"conductances", conductances_},
                      {"gamma_s", light.gamma_s},
                      {"facets", facets_},
                      {"scales", scales_},
@@ -219,14 +238,14 @@ void Diffusion::record_surface(gpu::Commands& commands, const FacetLight& light)
                      {"lines", lines_},
                      {"side_lights", side_lights_}},
                     surface_push(light.sides));
-  commands.dispatch(passes_.inner, {multigrid_.bricks().count * 8, 1, 1},
+  commands.dispatch(passes_.inner[multigrid_.channels() == 3], {multigrid_.bricks().count * 8, 1, 1},
                     {{"bricks", multigrid_.bricks().packed},
                      {"scales", scales_},
                      {"phi", pcg_.solution()},
                      {"phi_up", surface_[0]},
                      {"phi_down", surface_[1]}},
                     surface_push());
-  commands.dispatch(passes_.surface, {near_cells_.bytes() / sizeof(NearCell), 1, 1},
+  commands.dispatch(passes_.surface[multigrid_.channels() == 3], {near_cells_.bytes() / sizeof(NearCell), 1, 1},
                     {{"cut_index", domain_.cut_index},
                      {"cut_cells", domain_.cut_cells},
                      {"scales", scales_},

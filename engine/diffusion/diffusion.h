@@ -8,14 +8,17 @@
 #include "diffusion/history.h"
 #include "diffusion/medium_samples.h"
 #include "diffusion/pcg.h"
+#include "diffusion/rim.h"
 
 namespace alabaster {
 
 /// The passes around the linear solver, made once a context.
 struct FluencePasses {
   explicit FluencePasses(gpu::Context& context);
-  gpu::Pass points, assemble, scale, facets[2], source[2][2];                     // [corrected][in cells]
-  gpu::Pass rescale, absorbed, energy, gradient, carry, inner, surface, exit[2];  // exit [straight]
+  gpu::Pass points, conductances, assemble, scale;
+  gpu::Pass facets[2], rim, power, source[2][2];  // [corrected][in cells]
+  gpu::Pass rescale, absorbed, energy, gradient, carry, inner[2], surface[2],
+      exit[2];  // [three channels], exit [straight]
 };
 
 /// Where a channel's light went, W: in = integral Gamma_s; absorbed = integral sigma_a phi; out = what the render query
@@ -90,7 +93,9 @@ class Diffusion {
   glm::dvec3 kappa_scale() const { return kappa_scale_; }
   /// FluenceScale of each channel: fluence = unit * (pcg().solution() + pcg().solution_rest()).
   const gpu::Buffer& scales() const { return scales_; }
-  const gpu::Buffer& facet_conductances() const { return conductances_; }
+  /// Table of the cut cells, a layer a channel: conductances.comp.
+  const gpu::Image& facet_conductances() const { return conductances_; }
+  const Rim& rim() const { return rim_; }
 
  private:
   SurfacePush surface_push(int sides = 1) const;
@@ -106,10 +111,12 @@ class Diffusion {
   double A_, f_dt_;
   int cut_count_;  // entry 0 included
   gpu::Image kappa_, absorption_, surface_[2], surface_gamma_[2];
-  gpu::Buffer near_cells_, cut_neighbours_;              // for the surface
-  gpu::Image points_, lines_, side_lights_, gradients_;  // tables
-  gpu::Buffer facets_, conductances_, scales_, energy_sums_;
-  gpu::Buffer cell_sources_, face_fluxes_, facet_offsets_;
+  gpu::Buffer near_cells_, cut_neighbours_;                                           // for the surface
+  gpu::Image points_, lines_, side_lights_, gradients_, conductances_, face_fluxes_;  // tables
+  Rim rim_;
+  bool power_in_cells_ = false;  // in the right-hand side
+  gpu::Buffer facets_, scales_, energy_sums_;
+  gpu::Buffer cell_sources_, facet_offsets_;
   SolverOptions options_;
   glm::dvec3 kappa_scale_{1};
   Multigrid multigrid_;

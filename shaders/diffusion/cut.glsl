@@ -1,6 +1,7 @@
 // The cut cells that the domain hands on.
 #include "shared/domain.h"
 #include "shared/optics.h"
+#include "diffusion/table.glsl"
 layout(binding = 1, r32ui) uniform readonly uimage3D cut_index;
 layout(binding = 2, scalar) readonly buffer CutCells { GpuCutCell cut_cells[]; };
 
@@ -16,9 +17,5 @@ float side_conductance(uint index, int side, float resistance, float k) {
   GpuFacet facet = cut_cells[index].side[side];
   return facet.area > 0 ? facet.area * dsbc_conductance(resistance, max(facet.distance, least_distance) / k) : 0;
 }
-
-// Where a cut cell's entry stands in an image of texels, a layer a quantity: a CPU loads a texel in a tenth of the time that
-// four numbers of a buffer take.
-ivec3 in_table(uint index, int layer) { return ivec3(index % DIFFUSION_TABLE_WIDTH, index / DIFFUSION_TABLE_WIDTH, layer); }
 
 uint cut_at(ivec3 cell) { return imageLoad(cut_index, cell).r; }

@@ -9,6 +9,7 @@
 layout(local_size_x = 64) in;
 layout(push_constant, scalar) uniform PushBlock { SurfacePush push; };
 #include "diffusion/light.glsl"
+layout(binding = 3, rgba32f) uniform readonly image3D conductances;  // conductances.comp
 layout(binding = 5, scalar) readonly buffer Scales { FluenceScale scales[]; };
 layout(binding = 6, rgba32f) uniform readonly image3D volume;
 layout(binding = 7, rgba32f) uniform readonly image3D phi;
@@ -25,8 +26,9 @@ float value(ivec3 c, int channel) {
 void main() {
   int index = int(gl_GlobalInvocationID.x), channel = int(gl_GlobalInvocationID.y);
   if (index >= push.count || index == 0) return;
-  ivec3 cell = cut_cells[index].cell;
-  vec3 centre = cut_cells[index].centre;
+  ivec3 cell;
+  for (int axis = 0; axis < 3; ++axis) cell[axis] = int(imageLoad(points, in_table(index, 1 + axis)).w);
+  vec3 centre = imageLoad(points, in_table(index, 0)).xyz;
   float own = value(cell, channel);
   mat3 normal_matrix = mat3(0);
   vec3 right = vec3(0);
@@ -41,13 +43,12 @@ void main() {
     normal_matrix += weight * outerProduct(d, d);
     right += weight * (value(other, channel) - own) * d;
   }
-  GpuFacet facet = cut_cells[index].facet;
-  if (!bent(facet)) {
-    vec3 d = facet.centre - centre + 2 * push.A * (facets[index].kappa[channel] / push.h) * normalize(facet.area_vector);
-    float weight = 1 / dot(d, d);
-    normal_matrix += weight * outerProduct(d, d);
-    right += weight * (dsbc_source(mean_gamma(index, channel), push.f_dt) - own) * d;
-  }
+  vec4 beside = imageLoad(points, in_table(index, DIFFUSION_POINT_BESIDE));
+  vec4 normal = imageLoad(points, in_table(index, DIFFUSION_POINT_NORMAL));
+  vec3 d = beside.xyz + (normal.w + imageLoad(conductances, in_table(index, channel)).z) * normal.xyz;
+  float weight = dot(d, d) > 0 ? 1 / dot(d, d) : 0;  // bent: none
+  normal_matrix += weight * outerProduct(d, d);
+  right += weight * (dsbc_source(mean_gamma(index, channel, beside.w), push.f_dt) - own) * d;
   float trace = normal_matrix[0][0] + normal_matrix[1][1] + normal_matrix[2][2];
   vec3 g = trace > 0 ? inverse(normal_matrix + mat3(regular * trace)) * right : vec3(0);
   imageStore(gradients, in_table(index, channel), vec4(g, own));

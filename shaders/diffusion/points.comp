@@ -13,5 +13,12 @@ void main() {
   if (index >= uint(push.count)) return;
   imageStore(points, in_table(index, 0), vec4(cut_cells[index].centre, cut_cells[index].volume));
   for (int axis = 0; axis < 3; ++axis)
-    imageStore(points, in_table(index, 1 + axis), vec4(cut_cells[index].low_face_centre[axis], 0));
+    imageStore(points, in_table(index, 1 + axis), vec4(cut_cells[index].low_face_centre[axis], cut_cells[index].cell[axis]));
+  GpuFacet facet = cut_cells[index].facet;
+  float up = cut_cells[index].side[0].area, all = up + cut_cells[index].side[1].area;
+  vec3 normal = bent(facet) ? vec3(0) : normalize(facet.area_vector), away = facet.centre - cut_cells[index].centre;
+  float height = dot(away, normal);
+  vec3 beside = float(!bent(facet)) * (away - height * normal);
+  imageStore(points, in_table(index, DIFFUSION_POINT_BESIDE), vec4(beside, all > 0 ? up / all : 0));
+  imageStore(points, in_table(index, DIFFUSION_POINT_NORMAL), vec4(normal, height));
 }

@@ -1,40 +1,26 @@
-// The right-hand side from what facets.comp left for the cut cells and their faces, and from the source in the cells.
+// The right-hand side where the surface makes it, on the texels of the rim (engine/diffusion/rim.h), from what facets.comp and rim.comp
+// left; with `in_cells` on top of what power.comp put there.
 #version 460
+#extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
-#define LEVEL_PUSH SourcePush
-#include "diffusion/level.glsl"
-#include "diffusion/cut.glsl"
-layout(constant_id = 1) const int corrected = 0;
-layout(constant_id = 2) const int in_cells = 0;
-layout(binding = 3, scalar) readonly buffer CellSources { float cell_sources[]; };  // [channel][cut cell]
-layout(binding = 4, scalar) readonly buffer FaceFluxes { float face_fluxes[]; };    // [channel][cut cell][face]
-layout(binding = 5, scalar) readonly buffer Scales { FluenceScale scales[]; };
-layout(binding = 6, rgba32f) uniform writeonly image3D rhs;
-layout(binding = 7, rgba32f) uniform readonly image3D volume_power;  // W
-
-// What the cut cells around a whole cell send into it: entry 0 sends nothing.
-float from_neighbours(ivec3 cell, int channel) {
-  float sum = 0;
-  for (int face = 0; face < 6; ++face) {
-    ivec3 other = cell;
-    other[face >> 1] += 2 * (face & 1) - 1;
-    sum -= face_fluxes[(channel * push.count + cut_at(other)) * 6 + (face ^ 1)];
-  }
-  return sum;
-}
+#include "shared/diffusion.h"
+#include "diffusion/table.glsl"
+layout(local_size_x = 64) in;
+layout(constant_id = 0) const int corrected = 0;
+layout(constant_id = 1) const int in_cells = 0;
+layout(push_constant, scalar) uniform PushBlock { SourcePush push; };
+layout(binding = 0, rgba32ui) uniform readonly uimage3D rim_texels;  // table: the four cells' entries, 0 for none; then x, y, z
+layout(binding = 1, scalar) readonly buffer CellSources { float cell_sources[]; };  // [cut cell, then the rim][channel]
+layout(binding = 2, rgba32f) uniform image3D rhs;
 
 void main() {
-  ivec3 t = texel_here();
-  int channel = channel_here();
-  ivec3 cell = ivec3(4 * t.x, t.y, t.z - channel * push.cells.z);
-  vec4 b = vec4(0);
-  for (int lane = 0; lane < 4; ++lane) {
-    ivec3 c = cell + ivec3(lane, 0, 0);
-    uint index = cut_at(c);
-    b[lane] = cell_sources[channel * push.count + index];
-    if (corrected != 0 && index == 0) b[lane] = from_neighbours(c, channel);
-  }
-  float unit = scales[channel].unit;
-  if (in_cells != 0 && unit > 0) b += (push.per_power[channel] / unit) * imageLoad(volume_power, t);
+  uint texel = gl_GlobalInvocationID.x;
+  int channel = int(gl_GlobalInvocationID.y);
+  if (texel >= uint(push.rim_texels)) return;
+  uvec4 entries = imageLoad(rim_texels, in_table(texel, 0));
+  ivec3 t = ivec3(imageLoad(rim_texels, in_table(texel, 1)).xyz) + ivec3(0, 0, channel * push.cells.z);
+  if (corrected == 0) entries *= uvec4(lessThan(entries, uvec4(push.count)));  // the rim gets nothing
+  vec4 b = in_cells != 0 ? imageLoad(rhs, t) : vec4(0);
+  for (int lane = 0; lane < 4; ++lane) b[lane] += cell_sources[entries[lane] * gl_NumWorkGroups.y + channel];
   imageStore(rhs, t, b);
 }

@@ -9,6 +9,7 @@
 #include "shared/diffusion.h"
 #include "diffusion/cut.glsl"
 layout(local_size_x = 64) in;
+layout(constant_id = 0) const int channels = 3;
 layout(push_constant, scalar) uniform PushBlock { SurfacePush push; };
 layout(binding = 3, scalar) readonly buffer Scales { FluenceScale scales[]; };
 layout(binding = 5, rgba32f) uniform readonly image3D volume;
@@ -28,9 +29,8 @@ const float sliver = 0.05;  // h^3; a smaller cut cell's value comes from its ne
 // What cut cell `index` says of the point `away` from its low corner, h, to one side of its surface.
 vec3 carried(uint index, vec3 away, int side) {
   vec3 result;
-  for (int c = 0; c < 3; ++c)
-    result[c] = dot(imageLoad(lines, in_table(index, 2 * min(c, push.channels - 1) + side)), vec4(away, 1));
-  return result;
+  for (int c = 0; c < channels; ++c) result[c] = dot(imageLoad(lines, in_table(index, 2 * c + side)), vec4(away, 1));
+  return channels == 1 ? result.rrr : result;
 }
 
 struct Around {
@@ -79,15 +79,14 @@ void main() {
   if (index != 0)
     here = vec4[2](imageLoad(side_lights, in_table(index, 0)), imageLoad(side_lights, in_table(index, 1)));
   vec3 inner;
-  for (int c = 0; c < 3; ++c) {
-    int channel = min(c, push.channels - 1);
-    inner[c] = imageLoad(phi, ivec3(cell.x >> 2, cell.y, cell.z + channel * push.cells.z))[cell.x & 3] * scales[channel].unit;
-  }
+  for (int c = 0; c < channels; ++c)
+    inner[c] = imageLoad(phi, ivec3(cell.x >> 2, cell.y, cell.z + c * push.cells.z))[cell.x & 3] * scales[c].unit;
+  if (channels == 1) inner = inner.rrr;
   vec3 value[2], gamma[2];
   for (int side = 0; side < 2; ++side) {
     value[side] = cut ? carried(index, vec3(0.5), side) : whole ? inner : around.phi[side];
     gamma[side] = here[side].w > 0 ? mean_gamma(here, near.alike_here, side) : mean_gamma(around.light, near.alike, side);
-    if (push.channels == 1) gamma[side] = gamma[side].rrr;
+    if (channels == 1) gamma[side] = gamma[side].rrr;
   }
   imageStore(phi_up, cell, vec4(value[0], 1));
   imageStore(phi_down, cell, vec4(value[1], 1));

@@ -49,10 +49,14 @@
 #define DIFFUSION_GROUP 128
 #define DIFFUSION_PARTIALS 16
 
-// Tables of the cut cells are images this wide, of as many rows as that takes. That of points (points.comp) has the
-// cell's centroid and volume in layer 0, and the centroids of its faces towards lower x, y, z in the next.
+// Tables of the cut cells are images this wide, of as many rows as that takes. That of points (points.comp), lengths in h:
+// layer 0 the cell's centroid and its volume; 1 to 3 the centroids of its faces towards lower x, y, z, each with that
+// coordinate of the cell; then of its facet the place beside the normal through the cell's centroid, with the share of
+// the upper side in its area, and the normal, with the facet's height above the centroid. A bent facet has neither.
 #define DIFFUSION_TABLE_WIDTH 1024
-#define DIFFUSION_POINT_LAYERS 4
+#define DIFFUSION_POINT_LAYERS 6
+#define DIFFUSION_POINT_BESIDE 4
+#define DIFFUSION_POINT_NORMAL 5
 
 // What reduce.comp makes of the sums.
 #define DIFFUSION_REDUCE_START 0
@@ -154,6 +158,8 @@ struct OperatorPush {
 struct SourcePush {
   ivec3 cells;
   int count;       // of cut cells, entry 0 included
+  int rim_cells;   // engine/diffusion/rim.h
+  int rim_texels;
   vec3 per_power;  // 1 / (h kappa_scale) of each channel, 1/m^2
 };
 

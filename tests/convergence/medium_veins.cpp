@@ -156,12 +156,12 @@ TEST_F(MediumVeins, ASheetOfHighKappaCarriesItsFlux) {
       EXPECT_TRUE(solved.status.converged) << solved.status.reason;
       // What goes in at the top by the solution: sum of B (q - phi) over its facets.
       const FluenceField phi = body.fluence();
-      const std::vector<float> B = gpu::download<float>(context, body.diffusion().facet_conductances());
+      const std::vector<glm::vec4> B = gpu::download<glm::vec4>(context, body.diffusion().facet_conductances());
       double in = 0;
       for (std::size_t i = 1; i < gamma.size(); ++i) {
         const GpuCutCell& cut = body.cut_cells()[i];
         if (cut.facet.area_vector.y <= 0.5 * cut.facet.area) continue;
-        in += B[i] * (dsbc_source(double(gamma[i].x), body.f_dt()) - phi.at(cut.cell));
+        in += double(B[i].x) * (dsbc_source(double(gamma[i].x), body.f_dt()) - phi.at(cut.cell));
       }
       const double scale = body.diffusion().kappa_scale()[0] * h;  // of the matrix, theory in twin_problem.h
       kept[averaged].add(in * scale / flux);

@@ -11,6 +11,7 @@ TEST_F(GpuDiffusionGradient, GradientEqualsTwin) {
   commands.dispatch(passes.gradient, {cut.size(), channels, 1},
                     {{"cut_index", domain.cut_index},
                      {"cut_cells", domain.cut_cells},
+                     {"conductances", body.diffusion().facet_conductances()},
                      {"gamma_s", gamma_buffer},
                      {"facets", body.diffusion().facet_medium()},
                      {"scales", scale_buffer},
@@ -60,11 +61,28 @@ TEST_F(GpuDiffusionGradient, GradientEqualsTwin) {
 
 TEST_F(GpuDiffusionGradient, PointsAreTheDomains) {
   const std::vector<glm::vec4> got = entries(points());
+  int bent = 0;
   for (std::size_t i = 0; i < cut.size(); ++i) {
     EXPECT_EQ(got[i], glm::vec4(cut[i].centre, cut[i].volume)) << i;
-    for (std::size_t axis = 0; axis < 3; ++axis)
-      EXPECT_EQ(glm::vec3(got[(1 + axis) * cut.size() + i]), cut[i].low_face_centre[axis]) << i;
+    for (int axis = 0; axis < 3; ++axis)
+      EXPECT_EQ(got[(1 + axis) * cut.size() + i], glm::vec4(cut[i].low_face_centre[axis], cut[i].cell[axis])) << i;
+    const GpuFacet& facet = cut[i].facet;
+    const float up = cut[i].side[0].area, all = up + cut[i].side[1].area;
+    const glm::vec4 beside = got[DIFFUSION_POINT_BESIDE * cut.size() + i],
+                    normal = got[DIFFUSION_POINT_NORMAL * cut.size() + i];
+    EXPECT_NEAR(beside.w, all > 0 ? up / all : 0, 1e-6) << i;
+    if (glm::length(facet.area_vector) <= 0.5f * facet.area) {
+      ++bent;
+      EXPECT_EQ(glm::vec3(beside), glm::vec3(0)) << i;
+      EXPECT_EQ(glm::vec3(normal), glm::vec3(0)) << i;
+    } else {
+      EXPECT_LT(glm::length(glm::vec3(normal) - glm::normalize(facet.area_vector)), 1e-5f) << i;
+      EXPECT_LT(std::abs(glm::dot(glm::vec3(beside), glm::vec3(normal))), 1e-5f) << i;
+      EXPECT_LT(glm::length(cut[i].centre + glm::vec3(beside) + normal.w * glm::vec3(normal) - facet.centre), 1e-5f)
+          << i;
+    }
   }
+  EXPECT_GT(bent, 1);  // entry 0 has no facet
 }
 
 }  // namespace

@@ -37,14 +37,14 @@ void GpuDiffusionSurface::check_surface() {
                      {"side_lights", lights}},
                     push());
   const BrickList& bricks = body.diffusion().multigrid().bricks();
-  commands.dispatch(passes.inner, {bricks.count * 8, 1, 1},
+  commands.dispatch(passes.inner[channels == 3], {bricks.count * 8, 1, 1},
                     {{"bricks", bricks.packed},
                      {"scales", scale_buffer},
                      {"phi", body.diffusion().pcg().solution()},
                      {"phi_up", images[0]},
                      {"phi_down", images[1]}},
                     push());
-  commands.dispatch(passes.surface, {near.cells.size(), 1, 1},
+  commands.dispatch(passes.surface[channels == 3], {near.cells.size(), 1, 1},
                     {{"cut_index", domain.cut_index},
                      {"cut_cells", domain.cut_cells},
                      {"scales", scale_buffer},
