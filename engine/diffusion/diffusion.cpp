@@ -297,9 +297,9 @@ SolverStatus Diffusion::solve(const FacetLight& light, bool last) {
     if (pass == corrections)
       status = pcg_.solve();
     else if (warm && pass == 0)
-      status = pcg_.solve({options_.tolerance, Pcg::Check::true_residual, nearly_there, well_begun});
+      status = pcg_.solve({.near = nearly_there, .first = well_begun});
     else
-      status = pcg_.solve(std::max(options_.tolerance, std::pow(10.0, -2 - pass)), Pcg::Check::recurrence);
+      status = pcg_.solve({std::max(options_.tolerance, std::pow(10.0, -2 - pass)), true});
     iterations += status.iterations;
     if (warm && pass == 0)
       corrections = std::min(corrections, status.began_at <= nearly_there   ? 0
@@ -325,7 +325,7 @@ SolverStatus Diffusion::approach(const FacetLight& light, double tolerance) {
   record_rescale(before);
   record_source(before, light, options_.corrections > 0 && warm);
   before.submit();
-  const SolverStatus status = pcg_.solve(tolerance);
+  const SolverStatus status = pcg_.solve({tolerance});
   gpu::Commands after(context_);
   record_gradients(after, light);
   after.submit();

@@ -163,7 +163,8 @@ bool Pcg::converged_by_recurrence(SolverStatus& status) const {
 
 // Recurrences drift from the truth in single precision. So when they claim convergence the residual is computed anew,
 // and where it disagrees the gradients start again from it; only when that no longer helps does the solver give up.
-SolverStatus Pcg::solve(Goal goal) {
+SolverStatus Pcg::solve(SolverGoal goal) {
+  if (goal.tolerance <= 0) goal.tolerance = options_.tolerance;
   SolverStatus status;
   if (recorded_ != multigrid_.generation()) record();
   CgScalars* const device = static_cast<CgScalars*>(scalars_.mapped());
@@ -194,7 +195,7 @@ SolverStatus Pcg::solve(Goal goal) {
     }
     if (status.converged) return status;
     if (status.iterations == 0 && status.began_at > goal.near) {
-      goal = {goal.first, Check::recurrence};
+      goal = {goal.first, true};
       aim(goal.tolerance);
     }
     const double noise = multigrid_.deflation().noise();
@@ -231,7 +232,7 @@ SolverStatus Pcg::solve(Goal goal) {
       }
     }
     status.iterations += taken;
-    if (goal.check == Check::recurrence && converged_by_recurrence(status)) return status;
+    if (goal.by_recurrence && converged_by_recurrence(status)) return status;
   }
 }
 

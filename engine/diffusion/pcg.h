@@ -33,25 +33,22 @@ struct SolverStatus {
   std::string reason;                 // when not converged: one line, with the remedy
 };
 
+/// What a solve is to reach.
+struct SolverGoal {
+  double tolerance = 0;        // of the residuals; 0: SolverOptions::tolerance
+  bool by_recurrence = false;  // what the conjugate gradients themselves say of |b - A x| / |b| is enough
+  // Where the first relative residual is above `near`, what comes out is not the last word: `first` by recurrence will
+  // do.
+  double near = INFINITY, first = 0;
+};
+
 class Pcg {
  public:
   /// `multigrid` is set up by the caller before solve(), and outlives this.
   Pcg(gpu::Context& context, const DiffusionPasses& passes, Multigrid& multigrid, const SolverOptions& options = {});
 
-  /// Solves A x = b for the images rhs() and solution(), starting from what solution() holds, to `tolerance`
-  /// (SolverOptions); with Check::recurrence what the conjugate gradients themselves say of |b - A x| / |b| is enough.
-  enum class Check { true_residual, recurrence };
-  SolverStatus solve(double tolerance, Check check = Check::true_residual) { return solve({tolerance, check}); }
-  SolverStatus solve() { return solve(options_.tolerance); }
-
-  /// Where the first relative residual is above `near`, what comes out is not the last word: `first` by recurrence will
-  /// do then.
-  struct Goal {
-    double tolerance;
-    Check check = Check::true_residual;
-    double near = INFINITY, first = 0;
-  };
-  SolverStatus solve(Goal goal);
+  /// Solves A x = b for the images rhs() and solution(), starting from what solution() holds.
+  SolverStatus solve(SolverGoal goal = {});
 
   /// Forgets the solution: the next solve() starts from zero.
   void clear_solution();
