@@ -101,10 +101,18 @@ struct Roughness {
   std::ptrdiff_t active = 0;  // cells
   // Cells with six faces: the surface cuts faces down to nothing in any medium.
   std::ptrdiff_t within = 0, jumps = 0, noisy = 0;
+  // Those whose neighbours have six as well: no face of theirs is cut.
+  std::ptrdiff_t deep = 0, deep_jumps = 0;
+  // Few deep cells are a thin object's: there all that are within have to say.
+  bool is_rough() const {
+    return 2 * deep > within ? double(deep_jumps) > rough_share * double(deep)
+                             : double(jumps) > rough_share * double(within);
+  }
 };
 
 Roughness operator+(const Roughness& a, const Roughness& b) {
-  return {a.active + b.active, a.within + b.within, a.jumps + b.jumps, a.noisy + b.noisy};
+  return {a.active + b.active, a.within + b.within, a.jumps + b.jumps,
+          a.noisy + b.noisy,   a.deep + b.deep,     a.deep_jumps + b.deep_jumps};
 }
 
 /// Also the diagonal of every cell.
@@ -118,8 +126,13 @@ Roughness roughness(const Grid& grid, std::vector<float>& diagonal) {
       const auto [least, most] = std::minmax_element(faces.begin(), faces.end());
       if (*least <= 0) continue;
       ++sum.within;
+      bool deep = true;
+      for (int side = 0; side < 6; ++side)
+        for (int face = 0; face < 6; ++face) deep = deep && grid.face(face, grid.beyond(side, i)) > 0;
+      sum.deep += deep;
       if (*most <= jump * *least) continue;
       ++sum.jumps;
+      sum.deep_jumps += deep;
       std::sort(faces.begin(), faces.end());
       sum.noisy += three_magnitudes(faces);
     }
@@ -137,7 +150,7 @@ Islands find_islands(glm::ivec3 n, std::span<const float> stencil) {
   const Grid grid(n, stencil);
   std::vector<float> diagonal(grid.cells());
   const Roughness all = roughness(grid, diagonal);
-  islands.rough = double(all.jumps) > rough_share * double(all.within);
+  islands.rough = all.is_rough();
   islands.noise = all.within > 0 ? double(all.noisy) / double(all.within) : 0.0;
   if (all.jumps == 0 && 2 * all.within > all.active) return islands;  // only a medium's jumps make islands
   std::vector<int> number;

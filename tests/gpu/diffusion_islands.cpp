@@ -3,7 +3,7 @@
 #include <random>
 
 #include "diffusion/islands.h"
-#include "support/device.h"
+#include "support/diffusion_device.h"
 #include "support/diffusion_problems.h"
 
 namespace alabaster {
@@ -94,6 +94,20 @@ TEST_F(GpuDiffusionIslands, OfMoreThanALoopMayCount) {
   ASSERT_EQ(deflation.count(), islands.spans.size());
   for (std::size_t k = 1; k < expected.size(); ++k)
     EXPECT_NEAR(lifts[k], expected[k], 1e-4 * std::abs(expected[k])) << k;
+}
+
+// The surface cuts faces to nothing beside whole ones, in more than one cell in a hundred: that is no medium that
+// jumps.
+TEST_F(GpuDiffusionIslands, TheSurfaceAloneMakesNoMediumRough) {
+  const Mesh ring = transformed(torus(0.4f, 0.1f, 96, 48), rotation({1, 2, 3}, 31));
+  const auto rough = [&](const MediumField& medium) {
+    return Body(context, ring, 64, medium).diffusion().multigrid().deflation().rough();
+  };
+  EXPECT_FALSE(rough(uniform_medium(0.02, 0.5)));
+  EXPECT_TRUE(rough([](glm::dvec3 p) {
+    const double kappa = int(std::floor(p.x / 0.1) + std::floor(p.y / 0.1) + std::floor(p.z / 0.1)) % 2 ? 0.02 : 2e-4;
+    return MediumPoint{glm::dvec3(1 / (3 * kappa)), glm::dvec3(0)};
+  }));
 }
 
 }  // namespace
