@@ -22,6 +22,13 @@ ALABASTER_BEGIN_SHARED
 // Places of the mesh in one facet that beams start from.
 #define BEAM_MOST_STARTS 4
 
+// Depths below a facet, h, or less where the object is thinner. What is scattered nearer than this drives the boundary condition:
+// the cell's phi is not drawn so finely.
+#define BEAM_NEAR_DEPTH 0.75
+// And what is scattered nearer than this a view ray meets only at the facet; what is deeper it meets in the cells, wherever
+// it comes from.
+#define BEAM_SKIN_DEPTH 0.375
+
 // Where units went: counters [count][channel], low words, then high words.
 #define BEAM_ENTERED 0
 #define BEAM_NEAR 1      // scattered so near its facet that it drives the boundary condition
@@ -29,6 +36,11 @@ ALABASTER_BEGIN_SHARED
 #define BEAM_ABSORBED 3
 #define BEAM_THROUGH 4   // left unscattered
 #define BEAM_COUNTERS 5
+
+// Where a beam lays down what it loses below the skin: layers of the deposits.
+#define BEAM_DEEP 0     // source of the cells
+#define BEAM_SHALLOW 1  // nearer than BEAM_NEAR_DEPTH: it drives the boundary condition, and the cells only show it
+#define BEAM_LAYERS 2
 
 // A place of the mesh in a facet.
 struct BeamStart {
