@@ -163,7 +163,11 @@ void BeamSource::record(gpu::Commands& commands, const Lighting& lighting, const
     }
   }
   commands.dispatch(source_, {n.x / 4, n.y, n.z * channels_},
-                    {{"deposits", deposits_}, {"carries", carries_}, {"power", power_}, {"seen", seen_}, {"unscattered", unscattered_}},
+                    {{"deposits", deposits_},
+                     {"carries", carries_},
+                     {"power", power_},
+                     {"seen", seen_},
+                     {"unscattered", unscattered_}},
                     push);
   if (!more) commands.copy(near_, near_unscattered_, near_.bytes());
   const gpu::Bindings through{{"leaving", leaving_},

@@ -104,7 +104,7 @@ struct Facet {
   uint index;  // of the cut cell
   vec3 origin, normal;  // h, from the grid's corner; outward
   float mu;             // refracted cosine
-  float near, skin;     // h: BEAM_NEAR_DEPTH and BEAM_SKIN_DEPTH, or less where the object is thinner
+  float near, skin;     // h: BEAM_NEAR_DEPTH and skin_depth(), or less where the object is thinner
 };
 
 void drive_boundary(uvec3 units, vec3 depth, Facet f) {
@@ -320,6 +320,8 @@ void light_side(uint at) {
   // What a neighbour gave lies in that neighbour's cell.
   const bool given = any(greaterThan(abs(start.position - vec3(own) - 0.5), vec3(0.51)));
   const ivec3 cell = given ? ivec3(floor(f.origin - 1e-3 * f.normal)) : own;
+  const vec3 sigma_t = solid_at(own).sigma_t;  // 0 in channels that are not there
+  const float thickness = (sigma_t.r + sigma_t.g + sigma_t.b) / float(push.channels);
   const Sky sky = sky_over(at, around, push.eta, push.f_dt_outer);
   const float area = side.area * push.h * push.h;
   vec3 all = vec3(0);
@@ -340,9 +342,9 @@ void light_side(uint at) {
     for (int c = 0; c < push.channels; ++c)
       if (push.unit[c] > 0) units[c] = uint(min(floor(light.flux[c] * area / push.unit[c] + 0.5), BEAM_MOST_UNITS));
     if (units == uvec3(0)) continue;
-    f.near = near_of(side, f.origin, f.normal);
-    f.skin = min(f.near, BEAM_SKIN_DEPTH);
     f.mu = max(refracted_cosine(light.cosine, push.eta), 1e-4);
+    f.near = near_of(side, f.origin, f.normal);
+    f.skin = min(f.near, skin_depth(thickness / f.mu));
     totals[BEAM_ENTERED] += units;
     march(f, cell, normalize((light.cosine * f.normal - light.towards) / push.eta - f.mu * f.normal), units);
   }

@@ -71,11 +71,12 @@ void add_near(vec3 p, vec3 normal, Solid s, float view, vec3 tau, bool behind, i
   const bool down = (facet_class(normal) & 1) == 1;
   const vec4 near_ = down ? texture(near_down, place_of(p)) : texture(near_up, place_of(p));
   const float depth = near_depth_at(p, normal, down);
+  const float mu = max(near_.a, 0.05), thickness = (s.sigma_t.r + s.sigma_t.g + s.sigma_t.b) / 3,
+              skin = min(depth, skin_depth(thickness / mu));
   const vec3 own = texture(unscattered, place_of(p)).rgb;
   for (int c = 0; c < 3; ++c) {
-    const float sigma = s.sigma_t[c], skin = min(depth, BEAM_SKIN_DEPTH) * sigma;
-    const NearLight n =
-        NearLight(near_[c], max(near_.a, 0.05), max(skin, 1e-4), max(depth * sigma, 1e-4), s.albedo[c], view, tau[c]);
+    const NearLight n = NearLight(near_[c], mu, max(skin * s.sigma_t[c], 1e-4), max(depth * s.sigma_t[c], 1e-4), s.albedo[c], view,
+                                  tau[c]);
     const float once = behind ? near_single_behind(n) : near_single(n);
     sum.single[c] += own[c] * once;
     sum.all[c] += dot(closure_of(s.albedo[c]), vec2(behind ? -near_surplus_behind(n) : -near_surplus(n), once));

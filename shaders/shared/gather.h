@@ -32,7 +32,7 @@ struct GatherGrid {
   float h;           // m
   vec3 kappa_scale;  // m
   float eta, A, f_dt;
-  float level_edge;  // h, between nodes of the levels
+  float level_edge;               // h, between nodes of the levels
   vec2 closure[GATHER_CLOSURES];  // engine/shading/gather_closure.h
 };
 

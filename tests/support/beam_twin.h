@@ -42,9 +42,11 @@ class BeamTwin {
     const GpuFacet& side = cut.side[entry % 2];
     facet_ = {entry / 2, glm::dvec3(cut.cell) + glm::dvec3(side.centre), normal, 0, 0, 0};
     facet_.near = near_of(side);
-    facet_.skin = std::min(facet_.near, BEAM_SKIN_DEPTH);
     const double cosine = glm::dot(normal, towards), area = side.area * h_ * h_;
     facet_.mu = std::max(refracted_cosine<double>(cosine, optics_.eta), 1e-4);
+    const glm::dvec3 sigma_t = solid(cut.cell).sigma_t;
+    facet_.skin =
+        std::min(facet_.near, skin_depth<double>((sigma_t.x + sigma_t.y + sigma_t.z) / channels_ / facet_.mu));
     sums_ = {};
     boundary_ = leaving_here_ = glm::dvec3(0);
     const bool given = glm::any(glm::greaterThan(glm::abs(glm::dvec3(side.centre) - 0.5), glm::dvec3(0.51)));
@@ -140,7 +142,7 @@ class BeamTwin {
   double near_of(const GpuFacet& side) const {
     const auto cell = [&](double depth) { return glm::ivec3(glm::floor(facet_.origin - depth * facet_.normal)); };
     return solid(cell(1.25)).there && solid(cell(0.75)).there ? BEAM_NEAR_DEPTH
-                                                         : std::min(double(side.distance), BEAM_NEAR_DEPTH);
+                                                              : std::min(double(side.distance), BEAM_NEAR_DEPTH);
   }
 
   glm::dvec3 lose(Beam& b, const Solid& s, double length) {
