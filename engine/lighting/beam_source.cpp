@@ -93,9 +93,10 @@ BeamSource::BeamSource(gpu::Context& context, const Domain& domain, const BeamSt
       through_(context, receivers_.count() * sizeof(glm::vec3), "beam through") {
   const glm::ivec3 n = domain.frame.cells;
   const std::size_t words = std::size_t(n.x) * n.y * n.z * channels;
-  deposits_ = gpu::Buffer(context, words * sizeof(std::uint32_t), "beam deposits");
-  carries_ = gpu::Buffer(context, words * sizeof(std::uint32_t), "beam carries");
+  deposits_ = gpu::Buffer(context, BEAM_LAYERS * words * sizeof(std::uint32_t), "beam deposits");
+  carries_ = gpu::Buffer(context, BEAM_LAYERS * words * sizeof(std::uint32_t), "beam carries");
   power_ = gpu::image3d(context, {n.x / 4, n.y, n.z * channels}, VK_FORMAT_R32G32B32A32_SFLOAT, "beam power");
+  seen_ = gpu::image3d(context, {n.x / 4, n.y, n.z * channels}, VK_FORMAT_R32G32B32A32_SFLOAT, "beam power seen");
   unscattered_ = gpu::image3d(context, {n.x / 4, n.y, n.z * channels}, VK_FORMAT_R8G8B8A8_UNORM, "beam power of lamps");
 }
 
@@ -162,7 +163,11 @@ void BeamSource::record(gpu::Commands& commands, const Lighting& lighting, const
     }
   }
   commands.dispatch(source_, {n.x / 4, n.y, n.z * channels_},
-                    {{"deposits", deposits_}, {"carries", carries_}, {"power", power_}, {"unscattered", unscattered_}},
+                    {{"deposits", deposits_},
+                     {"carries", carries_},
+                     {"power", power_},
+                     {"seen", seen_},
+                     {"unscattered", unscattered_}},
                     push);
   if (!more) commands.copy(near_, near_unscattered_, near_.bytes());
   const gpu::Bindings through{{"leaving", leaving_},

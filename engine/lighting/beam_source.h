@@ -34,16 +34,19 @@ class BeamSource {
               const Surroundings& around = {}, bool more = false);
 
   // W/m^2, two vec3 an entry of Domain::cut_cells: source of the boundary condition, Gamma of the render query, all
-  // that enters; and two vec4 with what is scattered near the facet and its mean cosine with the normal.
+  // that enters; and two vec4 with what is scattered in the facet's skin (BEAM_SKIN_DEPTH) and its mean cosine with the
+  // normal.
   const gpu::Buffer& gamma_s() const { return gamma_s_; }
   const gpu::Buffer& query_gamma() const { return query_gamma_; }
   const gpu::Buffer& entered() const { return entered_; }
   const gpu::Buffer& near() const { return near_; }
   /// W/m^2, two vec3 an entry: what leaves there unscattered, spread over the facets around that look the same way.
   const gpu::Buffer& through() const { return through_; }
-  /// Scattered in the cells, W, packed like kappa.
+  /// Scattered in the cells, W, packed like kappa; and that with what is scattered below the skin but so near its facet
+  /// that it drives the boundary condition: what view rays see there.
   const gpu::Image& power() const { return power_; }
-  /// Of power() the share that is light of lamps and the environment, and of near() all that is: no surface has sent
+  const gpu::Image& seen() const { return seen_; }
+  /// Of seen() the share that is light of lamps and the environment, and of near() all that is: no surface has sent
   /// it. The share in 255ths, packed likewise; near light as near() has it.
   const gpu::Image& unscattered() const { return unscattered_; }
   const gpu::Buffer& near_unscattered() const { return near_unscattered_; }
@@ -59,7 +62,7 @@ class BeamSource {
   gpu::Pass march_, source_, share_, spread_;
   gpu::Buffer deposits_, carries_, counters_, starts_, starts_of_, sides_, leaving_, gamma_s_, query_gamma_, entered_,
       near_, near_unscattered_, shares_, through_;
-  gpu::Image power_, unscattered_;
+  gpu::Image power_, seen_, unscattered_;
   glm::dvec3 unit_{0};
 };
 

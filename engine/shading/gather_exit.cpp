@@ -102,7 +102,7 @@ void GatherExit::update() {
     commands.dispatch(fluence_pass_, glm::uvec3(domain_.frame.cells),
                       {{"grid", grid_},
                        {"volume", domain_.volume},
-                       {"power", beam_.power()},
+                       {"power", beam_.seen()},
                        {"cut_cells", domain_.cut_cells},
                        {"kappa", diffusion_.kappa()},
                        {"absorption", diffusion_.absorption()},
@@ -116,7 +116,7 @@ void GatherExit::update() {
                       GatherPicturePush{domain_.frame.cells, static_cast<int>(domain_.summary.cut_cells) + 1});
     commands.dispatch(unscattered_pass_, glm::uvec3(domain_.frame.cells),
                       {{"grid", grid_},
-                       {"power", beam_.power()},
+                       {"power", beam_.seen()},
                        {"power_share", beam_.unscattered()},
                        {"cut_index", domain_.cut_index},
                        {"cut_cells", domain_.cut_cells},

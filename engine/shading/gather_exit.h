@@ -24,7 +24,7 @@ class GatherExit {
   /// Of the last update.
   const GatherLevels& levels() const { return *levels_; }
 
-  /// phi_b of what beams scatter in the cells, W/m^2; what they scatter near the facets of side 0 or 1, W/m^2, and its
+  /// phi_b of what beams scatter below the facets' skin, W/m^2; what they scatter in it, of side 0 or 1, W/m^2, and its
   /// mean cosine; GatherFlux of the sides k * stride().
   const gpu::Image& fluence() const { return fluence_; }
   const gpu::Image& near(int side) const { return near_[side]; }

@@ -25,7 +25,7 @@ layout(binding = 9, rgba32f) uniform readonly image3D absorption;  // sigma_a h^
 #define GRID push
 #include "domain/facet_class.glsl"
 #include "domain/way.glsl"
-layout(binding = 10, scalar) buffer Deposits { uint deposits[]; };  // units scattered, [channel][cell], low words
+layout(binding = 10, scalar) buffer Deposits { uint deposits[]; };  // units scattered, [layer][channel][cell], low words
 layout(binding = 11, scalar) buffer Carries { uint carries[]; };    // high words
 layout(binding = 12, scalar) buffer Counters { uint counters[]; };
 layout(binding = 19, scalar) buffer Leaving { uint leaving[]; };  // units through each entry: low words, then high words
@@ -33,24 +33,23 @@ layout(binding = 19, scalar) buffer Leaving { uint leaving[]; };  // units throu
 layout(binding = 13, scalar) buffer GammaS { vec3 gamma_s[]; };          // of the boundary condition, W/m^2
 layout(binding = 14, scalar) buffer QueryGamma { vec3 query_gamma[]; };  // of the render query
 layout(binding = 15, scalar) buffer Entered { vec3 entered[]; };         // all that enters
-layout(binding = 16, scalar) buffer Near { vec4 near_light[]; };         // scattered near the facet, W/m^2; mean cosine
+layout(binding = 16, scalar) buffer Near { vec4 near_light[]; };         // scattered in the facet's skin, W/m^2; mean cosine
 layout(binding = 22, scalar) readonly buffer Starts { BeamStart starts[]; };
 layout(binding = 23, scalar) readonly buffer StartsOf { uvec2 starts_of[]; };  // first and count
 layout(binding = 24, scalar) readonly buffer Sides { uint sides[]; };          // 2 * cut cell + side
 
 const int counter_words = 3 * BEAM_COUNTERS;
-// Cells (h): what is scattered nearer than this to its facet drives the boundary condition, where the object is that deep.
-const float near_depth = 0.75;
 
 uvec3 totals[BEAM_COUNTERS];  // of the beam under way
-vec3 near_sum, boundary_sum, leaving_sum;  // of the facet, units
-float near_cosine;
+vec3 skin_sum, boundary_sum, leaving_sum;  // of the facet, units
+float skin_cosine;
 
-void lay_down(ivec3 cell, uvec3 units) {
-  totals[BEAM_IN_CELLS] += units;
+void lay_down(ivec3 cell, uvec3 units, int layer) {
+  if (layer == BEAM_DEEP) totals[BEAM_IN_CELLS] += units;
   for (int c = 0; c < push.channels; ++c) {
     if (units[c] == 0) continue;
-    const uint at = uint(cell.x + push.cells.x * (cell.y + push.cells.y * (cell.z + c * push.cells.z)));
+    const int z = cell.z + (c + layer * push.channels) * push.cells.z;
+    const uint at = uint(cell.x + push.cells.x * (cell.y + push.cells.y * z));
     const uint old = atomicAdd(deposits[at], units[c]);
     if (old + units[c] < old) atomicAdd(carries[at], 1u);
   }
@@ -105,7 +104,7 @@ struct Facet {
   uint index;  // of the cut cell
   vec3 origin, normal;  // h, from the grid's corner; outward
   float mu;             // refracted cosine
-  float near;           // h: near_depth, or less where the object is thinner
+  float near, skin;     // h: BEAM_NEAR_DEPTH and skin_depth(), or less where the object is thinner
 };
 
 void drive_boundary(uvec3 units, vec3 depth, Facet f) {
@@ -114,25 +113,40 @@ void drive_boundary(uvec3 units, vec3 depth, Facet f) {
     const float kap = media[f.index].kappa[c], z = depth[c] * push.h, power = float(units[c]);
     const float per_length = sqrt(media[f.index].sigma_a[c] / kap), cosh_ = buried_cosh(z, per_length);
     const float boundary = buried_boundary(z, per_length, kap, push.A, push.f_dt);
-    near_sum[c] += power;
-    near_cosine += power * f.mu;
     boundary_sum[c] += power * boundary;
     leaving_sum[c] += power * (cosh_ - boundary);
   }
 }
 
+void light_skin(uvec3 units, Facet f) {
+  for (int c = 0; c < push.channels; ++c) {
+    skin_sum[c] += float(units[c]);
+    skin_cosine += float(units[c]) * f.mu;
+  }
+}
+
+// Of one layer of a cell's deposits.
+struct Laid {
+  uvec3 units;        // to lay down there
+  uvec3 behind;       // lost behind the cell's centroid
+  vec3 behind_depth;  // h, mean
+};
+
 // A cell on the way that still waits for its share of what the next one loses.
 struct Node {
   ivec3 cell;
   bool open;
-  float depth;        // of its centroid below the entry, h
-  uvec3 units;        // to lay down there
-  uvec3 behind;       // lost behind its centroid
-  vec3 behind_depth;  // h, mean
+  float depth;  // of its centroid below the entry, h
+  Laid laid[BEAM_LAYERS];
 };
 
+Node node_of(ivec3 cell, bool open, float depth) {
+  const Laid nothing = Laid(uvec3(0), uvec3(0), vec3(0));
+  return Node(cell, open, depth, Laid[BEAM_LAYERS](nothing, nothing));
+}
+
 void close_node(inout Node n) {
-  if (n.open) lay_down(n.cell, n.units + n.behind);
+  for (int k = 0; k < BEAM_LAYERS && n.open; ++k) lay_down(n.cell, n.laid[k].units + n.laid[k].behind, k);
   n.open = false;
 }
 
@@ -141,36 +155,47 @@ void close_node(inout Node n) {
 float join(inout Node before, inout Node here) {
   const float apart = before.open ? here.depth - before.depth : 0;
   if (apart < 0.2) return 0;
-  const uvec3 forward = share_of(before.behind, (before.behind_depth - before.depth) / apart);
-  here.units += forward;
-  before.behind -= forward;
+  for (int k = 0; k < BEAM_LAYERS; ++k) {
+    const uvec3 forward = share_of(before.laid[k].behind, (before.laid[k].behind_depth - before.depth) / apart);
+    here.laid[k].units += forward;
+    before.laid[k].behind -= forward;
+  }
   return apart;
 }
 
-// The losses of one cell from w.at to `end`: nearer than f.near, in front of the centroid, behind it. `direct`: no mirror yet.
+// The losses of one cell from w.at to `end`, by depth: in the skin, in each layer in front of the centroid and behind it. `direct`:
+// no mirror yet.
 void cross_cell(Way w, float end, Solid s, Facet f, bool direct, inout Beam beam, inout Node node) {
   const vec3 middle = vec3(w.cell) + cut_cells[imageLoad(cut_index, w.cell).r].centre;
-  Node here = Node(w.cell, true, dot(f.origin - middle, f.normal), uvec3(0), uvec3(0), vec3(0));
+  Node here = node_of(w.cell, true, dot(f.origin - middle, f.normal));
   if (!direct) {
-    here.units = lose(beam, s, end - w.at);
+    here.laid[BEAM_DEEP].units = lose(beam, s, end - w.at);
   } else {
     const float apart = join(node, here);
-    float from = w.at, to = clamp(f.near / f.mu, from, end);
-    if (to > from) {
-      const vec3 depth = (from + mean_place(s, to - from)) * f.mu;
-      drive_boundary(lose(beam, s, to - from), depth, f);
-    }
-    from = to;
-    to = clamp(here.depth / f.mu, from, end);
+    float from = w.at, to = clamp(f.skin / f.mu, from, end);
     if (to > from) {
       const vec3 depth = (from + mean_place(s, to - from)) * f.mu;
       const uvec3 lost = lose(beam, s, to - from);
-      const uvec3 back = apart > 0 ? share_of(lost, (here.depth - depth) / apart) : uvec3(0);
-      node.units += back;
-      here.units += lost - back;
+      drive_boundary(lost, depth, f);
+      light_skin(lost, f);
     }
-    here.behind_depth = (to + mean_place(s, end - to)) * f.mu;
-    here.behind = lose(beam, s, end - to);
+    for (int k = BEAM_SHALLOW; k >= BEAM_DEEP; --k) {
+      const float stop = k == BEAM_SHALLOW ? clamp(f.near / f.mu, to, end) : end;
+      from = to;
+      to = clamp(here.depth / f.mu, from, stop);
+      if (to > from) {
+        const vec3 depth = (from + mean_place(s, to - from)) * f.mu;
+        const uvec3 lost = lose(beam, s, to - from);
+        if (k == BEAM_SHALLOW) drive_boundary(lost, depth, f);
+        const uvec3 back = apart > 0 ? share_of(lost, (here.depth - depth) / apart) : uvec3(0);
+        node.laid[k].units += back;
+        here.laid[k].units += lost - back;
+      }
+      here.laid[k].behind_depth = (to + mean_place(s, stop - to)) * f.mu;
+      here.laid[k].behind = lose(beam, s, stop - to);
+      if (k == BEAM_SHALLOW) drive_boundary(here.laid[k].behind, here.laid[k].behind_depth, f);
+      to = stop;
+    }
   }
   close_node(node);
   node = here;
@@ -180,18 +205,19 @@ void cross_cell(Way w, float end, Solid s, Facet f, bool direct, inout Beam beam
 void spend(Solid s, float at, Facet f, bool direct, inout Beam beam, inout Node node) {
   const uvec3 scattered = share_of(beam.left, s.albedo);
   totals[BEAM_ABSORBED] += beam.left - scattered;
-  if (direct && at * f.mu < f.near)
-    drive_boundary(scattered, min((at + 1 / max(s.sigma_t, vec3(1e-6))) * f.mu, vec3(f.near)), f);
+  const float depth = direct ? at * f.mu : nowhere;
+  if (depth < f.near) drive_boundary(scattered, min((at + 1 / max(s.sigma_t, vec3(1e-6))) * f.mu, vec3(f.near)), f);
+  if (depth < f.skin)
+    light_skin(scattered, f);
   else
-    node.units += scattered;
+    node.laid[depth < f.near ? BEAM_SHALLOW : BEAM_DEEP].units += scattered;
   beam.left = uvec3(0);
 }
 
 void march(Facet f, ivec3 cell, vec3 along, uvec3 units) {
   Way w = way_from(f.origin, along, cell);
   Beam beam = Beam(units, units, vec3(0));
-  Node node;
-  node.open = false;
+  Node node = node_of(cell, false, 0);
   int mirrors = 0;
   bool inside = false;
   uint last = f.index;  // cut cell on the way
@@ -238,7 +264,7 @@ void march(Facet f, ivec3 cell, vec3 along, uvec3 units) {
 // How deep the near light may reach: where the object is thinner than that, to the cell's centroid.
 float near_of(GpuFacet side, vec3 origin, vec3 normal) {
   const bool deep = solid_at(ivec3(floor(origin - 1.25 * normal))).there && solid_at(ivec3(floor(origin - 0.75 * normal))).there;
-  return deep ? near_depth : min(side.distance, near_depth);
+  return deep ? BEAM_NEAR_DEPTH : min(side.distance, BEAM_NEAR_DEPTH);
 }
 
 // Surfaces and the environment light all of a facet alike: the samples are shared out among its starts, by their areas.
@@ -290,15 +316,17 @@ void light_side(uint at) {
   const Receiver around = receivers[at],
                  receiver = Receiver(push.origin + push.h * start.position, start.normal, start.slack);
   const ivec3 own = cut_cells[index].cell;
-  Facet f = Facet(index, start.position, start.normal, 0, 0);
+  Facet f = Facet(index, start.position, start.normal, 0, 0, 0);
   // What a neighbour gave lies in that neighbour's cell.
   const bool given = any(greaterThan(abs(start.position - vec3(own) - 0.5), vec3(0.51)));
   const ivec3 cell = given ? ivec3(floor(f.origin - 1e-3 * f.normal)) : own;
+  const vec3 sigma_t = solid_at(own).sigma_t;  // 0 in channels that are not there
+  const float thickness = (sigma_t.r + sigma_t.g + sigma_t.b) / float(push.channels);
   const Sky sky = sky_over(at, around, push.eta, push.f_dt_outer);
   const float area = side.area * push.h * push.h;
   vec3 all = vec3(0);
-  near_sum = boundary_sum = leaving_sum = vec3(0);
-  near_cosine = 0;
+  skin_sum = boundary_sum = leaving_sum = vec3(0);
+  skin_cosine = 0;
   const bool lamp = push.first < lighting.points;  // no part has both
   const uint end = min(push.end, arrivals());
   for (uint i = push.first; i < end; i += push.group) {
@@ -314,8 +342,9 @@ void light_side(uint at) {
     for (int c = 0; c < push.channels; ++c)
       if (push.unit[c] > 0) units[c] = uint(min(floor(light.flux[c] * area / push.unit[c] + 0.5), BEAM_MOST_UNITS));
     if (units == uvec3(0)) continue;
-    f.near = near_of(side, f.origin, f.normal);
     f.mu = max(refracted_cosine(light.cosine, push.eta), 1e-4);
+    f.near = near_of(side, f.origin, f.normal);
+    f.skin = min(f.near, skin_depth(thickness / f.mu));
     totals[BEAM_ENTERED] += units;
     march(f, cell, normalize((light.cosine * f.normal - light.towards) / push.eta - f.mu * f.normal), units);
   }
@@ -323,13 +352,13 @@ void light_side(uint at) {
   const vec3 flux = push.unit / area;
   for (int c = 0; c < push.channels; ++c) {  // the mean cosine is weighted with units
     if (flux[c] <= 0) continue;
-    near_sum[c] += near_light[at][c] / flux[c];
-    near_cosine += near_light[at][c] / flux[c] * near_light[at].a;
+    skin_sum[c] += near_light[at][c] / flux[c];
+    skin_cosine += near_light[at][c] / flux[c] * near_light[at].a;
   }
-  const float near_power = near_sum.x + near_sum.y + near_sum.z;
+  const float skin_power = skin_sum.x + skin_sum.y + skin_sum.z;
   gamma_s[at] += boundary_sum * flux;
   query_gamma[at] += (boundary_sum - push.A * leaving_sum) * flux;
-  near_light[at] = vec4(near_sum * flux, near_power > 0 ? near_cosine / near_power : 1);
+  near_light[at] = vec4(skin_sum * flux, skin_power > 0 ? skin_cosine / skin_power : 1);
   entered[at] += all;
 }
 

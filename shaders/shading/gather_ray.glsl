@@ -10,8 +10,8 @@ layout(binding = 18, scalar) readonly buffer CutCells { GpuCutCell cut_cells[]; 
 layout(binding = 19, rgba32f) uniform readonly image3D volume;
 layout(binding = 20, rgba32f) uniform readonly image3D kappa;
 layout(binding = 21, rgba32f) uniform readonly image3D absorption;
-layout(binding = 22) uniform sampler3D beam_fluence;  // phi_b of what is scattered in the cells, W/m^2
-layout(binding = 23) uniform sampler3D near_up;       // scattered near the facets, W/m^2; mean cosine
+layout(binding = 22) uniform sampler3D beam_fluence;  // phi_b of what is scattered below the skin, W/m^2
+layout(binding = 23) uniform sampler3D near_up;       // scattered in the facets' skin, W/m^2; mean cosine
 layout(binding = 24) uniform sampler3D near_down;
 layout(binding = 25) uniform sampler3D field_up;      // phi for the surface's two sides, W/m^2
 layout(binding = 26) uniform sampler3D field_down;
@@ -60,7 +60,7 @@ struct Gathered {
 
 // How deep the near light of a facet reaches, h (lighting/beam_march.comp).
 float near_depth_at(vec3 p, vec3 normal, bool down) {
-  const float usual = 0.75;
+  const float usual = BEAM_NEAR_DEPTH;
   if (solid_at(ivec3(floor(p - 1.25 * normal))).there && solid_at(ivec3(floor(p - 0.75 * normal))).there) return usual;
   const GpuFacet side = cut_cells[imageLoad(cut_index, ivec3(floor(p - 1e-3 * normal))).r].side[down ? 1 : 0];
   return side.area > 0 ? clamp(side.distance, 0.05, usual) : usual;
@@ -71,9 +71,12 @@ void add_near(vec3 p, vec3 normal, Solid s, float view, vec3 tau, bool behind, i
   const bool down = (facet_class(normal) & 1) == 1;
   const vec4 near_ = down ? texture(near_down, place_of(p)) : texture(near_up, place_of(p));
   const float depth = near_depth_at(p, normal, down);
+  const float mu = max(near_.a, 0.05), thickness = (s.sigma_t.r + s.sigma_t.g + s.sigma_t.b) / 3,
+              skin = min(depth, skin_depth(thickness / mu));
   const vec3 own = texture(unscattered, place_of(p)).rgb;
   for (int c = 0; c < 3; ++c) {
-    const NearLight n = NearLight(near_[c], max(near_.a, 0.05), max(depth * s.sigma_t[c], 1e-4), s.albedo[c], view, tau[c]);
+    const NearLight n = NearLight(near_[c], mu, max(skin * s.sigma_t[c], 1e-4), max(depth * s.sigma_t[c], 1e-4), s.albedo[c], view,
+                                  tau[c]);
     const float once = behind ? near_single_behind(n) : near_single(n);
     sum.single[c] += own[c] * once;
     sum.all[c] += dot(closure_of(s.albedo[c]), vec2(behind ? -near_surplus_behind(n) : -near_surplus(n), once));

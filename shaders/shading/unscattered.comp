@@ -1,5 +1,5 @@
 // Of the light that beams bring near each cell, the share that no surface has sent: only that is scattered once where a view
-// ray meets it. Under a tent of two cells, of what is scattered in the cells and near their facets together.
+// ray meets it. Under a tent of two cells, of what is scattered in the cells and in their facets' skin together.
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require

@@ -1,5 +1,5 @@
-// The volume source: refracted light samples marched from their facets through the cells. Counted in whole units of power
-// (64 bits as two words), so that the order of the additions does not show and nothing is lost.
+// The volume source: refracted light samples marched from their facets through the cells. Counted in whole units of
+// power (64 bits as two words), so that the order of the additions does not show and nothing is lost.
 #ifndef ALABASTER_SHARED_BEAM_H
 #define ALABASTER_SHARED_BEAM_H
 #include "lighting.h"
@@ -9,26 +9,39 @@ ALABASTER_BEGIN_SHARED
 
 // Most units that one beam starts with: whole numbers up to here are exact in single precision.
 #define BEAM_MOST_UNITS 16777216.0
-// Lavapipe ends an invocation after 65535 turns of its loops, all taken together: a step through a cell takes some twenty,
-// and a beam at most BEAM_MOST_STEPS times as many steps as the grid has cells along its three edges together.
+// Lavapipe ends an invocation after 65535 turns of its loops, all taken together: a step through a cell takes some
+// twenty, and a beam at most BEAM_MOST_STEPS times as many steps as the grid has cells along its three edges together.
 #define BEAM_MOST_STEPS 4
 #define BEAM_TURNS_A_STEP 30
 #define BEAM_MOST_TURNS 65000
 // A beam with less than 1 / this of its units left in every channel is laid down where it is (7 mean free paths).
 #define BEAM_LEAST_SHARE 1024u
 #define BEAM_MOST_REFLECTIONS 4
-// Directions in which a facet sees other surfaces that go as one beam: those that follow each other have cosines that are alike.
+// Directions in which a facet sees other surfaces that go as one beam: those that follow each other have cosines that
+// are alike.
 #define BEAM_SURFACE_GROUP 3
 // Places of the mesh in one facet that beams start from.
 #define BEAM_MOST_STARTS 4
+
+// Depths below a facet, h, or less where the object is thinner. What is scattered nearer than this drives the boundary
+// condition: the cell's phi is not drawn so finely.
+#define BEAM_NEAR_DEPTH 0.75
+// And what is scattered nearer than the skin, at least this, a view ray meets only at the facet; what is deeper it
+// meets in the cells, wherever it comes from (skin_depth).
+#define BEAM_SKIN_DEPTH 0.375
 
 // Where units went: counters [count][channel], low words, then high words.
 #define BEAM_ENTERED 0
 #define BEAM_NEAR 1      // scattered so near its facet that it drives the boundary condition
 #define BEAM_IN_CELLS 2  // scattered deeper
 #define BEAM_ABSORBED 3
-#define BEAM_THROUGH 4   // left unscattered
+#define BEAM_THROUGH 4  // left unscattered
 #define BEAM_COUNTERS 5
+
+// Where a beam lays down what it loses below the skin: layers of the deposits.
+#define BEAM_DEEP 0     // source of the cells
+#define BEAM_SHALLOW 1  // nearer than BEAM_NEAR_DEPTH: it drives the boundary condition, and the cells only show it
+#define BEAM_LAYERS 2
 
 // A place of the mesh in a facet.
 struct BeamStart {
@@ -39,20 +52,27 @@ struct BeamStart {
 };
 
 struct BeamPush {
-  vec3 origin;      // of the grid, m
+  vec3 origin;  // of the grid, m
   ivec3 cells;
-  int count;        // of cut cells, entry 0 included
-  int channels;     // 1 or 3
+  int count;     // of cut cells, entry 0 included
+  int channels;  // 1 or 3
   float eta, f_dt_outer, A, f_dt;
-  float h;          // m
+  float h;           // m
   vec3 kappa_scale;  // m
   vec3 unit;         // W; 0: no light in the channel
   SkyLinks sky;
-  uint first, end;   // of the samples: a part of them at a time, the end is past the last
-  uint group;        // so many samples go as one beam
-  uint round;        // which start of each facet
+  uint first, end;            // of the samples: a part of them at a time, the end is past the last
+  uint group;                 // so many samples go as one beam
+  uint round;                 // which start of each facet
   uint listed_first, listed;  // of the list of sides: those that have such a start
 };
+
+// `across`: the optical depth of a beam's way through one cell's depth, h sigma_t / mu. Light that falls off within a
+// cell would be smeared over it and its neighbours: up to 1 the facet keeps half of the near depth, from 1.5 on all of
+// it.
+SHARED_FN real skin_depth(real across) {
+  return min(max(real(BEAM_NEAR_DEPTH) * across - real(BEAM_SKIN_DEPTH), real(BEAM_SKIN_DEPTH)), real(BEAM_NEAR_DEPTH));
+}
 
 // Mean of t over [0, 1] weighted with exp(-x t): where in a segment of optical depth x a beam is lost.
 SHARED_FN real loss_place(real x) {
@@ -61,9 +81,10 @@ SHARED_FN real loss_place(real x) {
   return real(1) / x - real(1) / (exp(x) - real(1));
 }
 
-// Light scattered at depth z below the surface drives the fluence below it as a source on the boundary would, P1 exactly:
-// phi + 2 A kappa d_n phi = 4 f / F_dt with f = F_dt (2 A cosh(z / l) + l sinh(z / l) / kappa) / 4 of its flux, and
-// the query then needs c = cosh(z / l) - f: cosh - 1 pays for what that fluence, carried on to the surface, absorbs too much.
+// Light scattered at depth z below the surface drives the fluence below it as a source on the boundary would, P1
+// exactly: phi + 2 A kappa d_n phi = 4 f / F_dt with f = F_dt (2 A cosh(z / l) + l sinh(z / l) / kappa) / 4 of its
+// flux, and the query then needs c = cosh(z / l) - f: cosh - 1 pays for what that fluence, carried on to the surface,
+// absorbs too much.
 SHARED_FN real buried_cosh(real z, real per_length) {
   real x = min(z * per_length, real(2));
   return real(0.5) * (exp(x) + exp(-x));

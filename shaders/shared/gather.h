@@ -32,7 +32,7 @@ struct GatherGrid {
   float h;           // m
   vec3 kappa_scale;  // m
   float eta, A, f_dt;
-  float level_edge;  // h, between nodes of the levels
+  float level_edge;               // h, between nodes of the levels
   vec2 closure[GATHER_CLOSURES];  // engine/shading/gather_closure.h
 };
 
@@ -70,34 +70,41 @@ SHARED_FN real growth_integral(real k, real end, real tau) {
 // Light near a facet, as a view ray sees it that starts there or ends there. Depths z below the facet in mean free
 // paths.
 struct NearLight {
-  float flux;    // of what a beam scatters down to `bound`, W/m^2
+  float flux;    // of what a beam scatters down to `skin`, W/m^2
   float cosine;  // of the beam, inside
-  float bound;
+  float skin;    // the ray meets what is deeper in the cells
+  float bound;   // what is scattered down to here drives the boundary condition; skin at least
   float albedo;
   float view;  // cosine of the ray with the facet's normal, inside
   float tau;   // optical depth of all of the ray
 };
 
-// 4 pi times the radiance of that light, flux exp(-z / mu) / (mu (1 - exp(-bound / mu))), at the ray's other side: seen
+// 4 pi times the radiance of that light, flux exp(-z / mu) / (mu (1 - exp(-skin / mu))), at the ray's other side: seen
 // from the facet, and from within towards it.
 SHARED_INLINE float near_single(NearLight n) {
-  float seen = decay_integral(1.0f / n.cosine + 1.0f / n.view, min(n.bound, n.tau * n.view));
-  return n.flux * seen / (n.view * decay_integral(1.0f / n.cosine, n.bound));
+  float seen = decay_integral(1.0f / n.cosine + 1.0f / n.view, min(n.skin, n.tau * n.view));
+  return n.flux * seen / (n.view * decay_integral(1.0f / n.cosine, n.skin));
 }
 SHARED_INLINE float near_single_behind(NearLight n) {
-  float seen = growth_integral(1.0f / n.view - 1.0f / n.cosine, min(n.bound, n.tau * n.view), n.tau);
-  return n.flux * seen / (n.view * decay_integral(1.0f / n.cosine, n.bound));
+  float seen = growth_integral(1.0f / n.view - 1.0f / n.cosine, min(n.skin, n.tau * n.view), n.tau);
+  return n.flux * seen / (n.view * decay_integral(1.0f / n.cosine, n.skin));
 }
 
-// And what the fluence that the boundary condition drives says too much near the surface, 3 a' m e^(-z / m) of that
-// flux, m its mean depth. In a half space that is 3 a' mu^2 / (mu + mu_view).
+// What the same beam scatters down to `bound`, W/m^2.
+SHARED_INLINE float near_driving(NearLight n) {
+  return n.flux * decay_integral(1.0f / n.cosine, n.bound) / decay_integral(1.0f / n.cosine, n.skin);
+}
+
+// And what the fluence that the boundary condition drives says too much near the surface, 3 a' m e^(-z / m) of the flux
+// that drives it, m its mean depth. In a half space that is 3 a' mu^2 / (mu + mu_view).
 SHARED_INLINE float near_surplus(NearLight n) {
   float m = near_mean_depth(n.cosine, n.bound);
-  return n.flux * 3.0f * n.albedo * m / n.view * decay_integral(1.0f / m + 1.0f / n.view, n.tau * n.view);
+  return near_driving(n) * 3.0f * n.albedo * m / n.view * decay_integral(1.0f / m + 1.0f / n.view, n.tau * n.view);
 }
 SHARED_INLINE float near_surplus_behind(NearLight n) {
   float m = near_mean_depth(n.cosine, n.bound);
-  return n.flux * 3.0f * n.albedo * m / n.view * growth_integral(1.0f / n.view - 1.0f / m, n.tau * n.view, n.tau);
+  return near_driving(n) * 3.0f * n.albedo * m / n.view *
+         growth_integral(1.0f / n.view - 1.0f / m, n.tau * n.view, n.tau);
 }
 
 ALABASTER_END_SHARED

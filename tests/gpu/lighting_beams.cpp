@@ -22,9 +22,9 @@ class LightingBeams : public GpuTest {
  protected:
   struct Marched {
     BeamTotals totals;
-    std::vector<float> power;  // W, x fastest, [channel][cell]
+    std::vector<float> power, seen;  // W, x fastest, [channel][cell]
     std::vector<glm::vec3> gamma_s, query_gamma, entered, through;
-    std::vector<glm::vec4> near;
+    std::vector<glm::vec4> skin;
     glm::dvec3 unit{0};
   };
 
@@ -37,6 +37,7 @@ class LightingBeams : public GpuTest {
     commands.submit();
     return {beam.totals(),
             gpu::download<float>(context, beam.power()),
+            gpu::download<float>(context, beam.seen()),
             gpu::download<glm::vec3>(context, beam.gamma_s()),
             gpu::download<glm::vec3>(context, beam.query_gamma()),
             gpu::download<glm::vec3>(context, beam.entered()),
@@ -74,11 +75,15 @@ TEST_F(LightingBeams, NothingIsLostAndTheOrderDoesNotShow) {
     EXPECT_LT(std::abs(left), 0.5 * a.unit[c]);
     EXPECT_NEAR(t.absorbed[c] / (t.absorbed[c] + t.near[c] + t.in_cells[c]), 0.1, 1e-4);
     double laid = 0, near = 0, entered = 0, through = 0;
-    for (std::size_t i = 0; i < cells; ++i) laid += a.power[c * cells + i];
+    for (std::size_t i = c * cells; i < (c + 1) * cells; ++i) {
+      EXPECT_GE(a.seen[i], a.power[i]);
+      laid += a.power[i], near += double(a.seen[i]) - a.power[i];
+    }
+    EXPECT_GT(near, 0.05 * t.near[c]);  // below the skin
     const double h = body.domain().frame.h;
-    for (std::size_t i = 2; i < a.near.size(); ++i) {
+    for (std::size_t i = 2; i < a.skin.size(); ++i) {
       const double area = body.cut_cells()[i / 2].side[i % 2].area * h * h;
-      near += area * a.near[i][c], entered += area * a.entered[i][c], through += area * a.through[i][c];
+      near += area * a.skin[i][c], entered += area * a.entered[i][c], through += area * a.through[i][c];
     }
     EXPECT_NEAR(laid / t.in_cells[c], 1, 1e-5);
     EXPECT_NEAR(near / t.near[c], 1, 1e-5);
@@ -128,8 +133,8 @@ TEST_F(LightingBeams, MarchEqualsTwin) {
     const double within = 1e-4 * glm::length(flux) + unit;
     apart += glm::distance(side.gamma_s, glm::dvec3(found.gamma_s[i])) > within ||
              glm::distance(side.query_gamma, glm::dvec3(found.query_gamma[i])) > 4 * within ||
-             glm::distance(side.near, glm::dvec3(found.near[i])) > within ||
-             std::abs(side.near_cosine - found.near[i].w) > 1e-4;
+             glm::distance(side.skin, glm::dvec3(found.skin[i])) > within ||
+             std::abs(side.skin_cosine - found.skin[i].w) > 1e-4;
   }
   EXPECT_GT(lit_sides, 300);
   EXPECT_LE(apart, lit_sides / 200);
@@ -148,7 +153,8 @@ TEST_F(LightingBeams, MarchEqualsTwin) {
     double off = 0;
     int others = 0;
     for (std::size_t i = 0; i < cells; ++i) {
-      const double difference = std::abs(found.power[c * cells + i] - twin.power[i][c]);
+      const double difference = std::abs(found.power[c * cells + i] - twin.power[i][c]) +
+                                std::abs(found.seen[c * cells + i] - twin.seen[i][c]);
       if (difference > 2e-5 * twin.entered[c])
         ++others;
       else

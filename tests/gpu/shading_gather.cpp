@@ -22,7 +22,7 @@ class ShadingGather : public GpuTest {
     gpu::Commands commands(context);
     beam.record(commands, lit.lighting, {d.kappa(), d.absorption(), d.facet_medium(), d.kappa_scale(), 3}, eta);
     commands.submit();
-    lamp_power = gpu::download<float>(context, beam.power());
+    lamp_seen = gpu::download<float>(context, beam.seen());
     lamp_near = gpu::download<glm::vec4>(context, beam.near());
     light_by_surfaces();
     FacetLight light(beam.gamma_s(), 2);
@@ -63,14 +63,14 @@ class ShadingGather : public GpuTest {
   Body body{context, mesh, 20, layered, 3, eta};
   BeamSource beam{context, body.domain(), mesh_starts(mesh, body.domain().frame, body.cut_cells()), 3};
   GatherExit gather{context, body.domain(), body.diffusion(), beam, lit.meshes.rays, eta};
-  std::vector<float> lamp_power;  // before surfaces' light came in
+  std::vector<float> lamp_seen;  // before surfaces' light came in
   std::vector<glm::vec4> lamp_near;
 };
 
 TEST_F(ShadingGather, UnscatteredIsTheLampsShare) {
   const glm::ivec3 n = body.domain().frame.cells;
   const double h = body.domain().frame.h;
-  const auto power = gpu::download<float>(context, beam.power());
+  const auto seen = gpu::download<float>(context, beam.seen());
   const auto near = gpu::download<glm::vec4>(context, beam.near());
   const auto index = gpu::download<std::uint32_t>(context, body.domain().cut_index);
   const auto found = gpu::download<std::uint32_t>(context, gather.unscattered());
@@ -85,8 +85,8 @@ TEST_F(ShadingGather, UnscatteredIsTheLampsShare) {
       const double weight = std::exp2(-(std::abs(d.x) + std::abs(d.y) + std::abs(d.z)));
       const std::size_t at = c.x + std::size_t(n.x) * (c.y + std::size_t(n.y) * c.z);
       for (int channel = 0; channel < 3; ++channel) {
-        all[channel] += weight * power[channel * index.size() + at];
-        own[channel] += weight * lamp_power[channel * index.size() + at];
+        all[channel] += weight * seen[channel * index.size() + at];
+        own[channel] += weight * lamp_seen[channel * index.size() + at];
       }
       for (std::size_t s = 0; index[at] && s < 2; ++s) {
         const double area = weight * body.cut_cells()[index[at]].side[s].area * h * h;

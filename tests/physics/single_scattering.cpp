@@ -97,6 +97,29 @@ TEST_F(SinglePictures, GatherEqualsThePathTracer) {
   expect_layer("ball, eta 1", lit_scene(icosphere(4), medium_of(20, 0.95), 1), Transport::gather, 0.03, 0.07);
 }
 
+// A ray that passes below a lit surface meets its light where it neither starts nor ends there, too: bumps of a few
+// cells, lit from behind, against rays to the lamp, which hardly depend on the grid.
+TEST_F(SinglePictures, GatherSeesLightThatItPasses) {
+  Mesh bumps = icosphere(5);
+  for (glm::vec3& p : bumps.positions) p *= 1 + 0.1f * std::sin(14 * p.x) * std::sin(14 * p.y) * std::sin(14 * p.z);
+  Scene scene = lit_scene(bumps, medium_of(10, 0.95), 1.3);
+  scene.objects[1].mesh =
+      transformed(quad(2, 2), glm::dmat4(look_at({-3, 4, -5}, {0, 0, 0})) * rotation({1, 0, 0}, -90));
+  const Picture rays = render(scene, all_components, Transport::report, {80, 60}, 64).shaded.picture,
+                gather = render(scene, all_components, Transport::gather, {80, 60}, 32).shaded.picture;
+  double square = 0, all = 0, pixels = 0;
+  const auto &exact = rays.channels.at("single.G"), &found = gather.channels.at("single.G");
+  for (std::size_t i = 0; i < exact.size(); ++i) {
+    if (rays.channels.at("object.Y")[i] < 1) continue;
+    square += std::pow(double(found[i]) - exact[i], 2), all += exact[i], ++pixels;
+  }
+  const double bias = mean_of(gather, "single.") / mean_of(rays, "single.") - 1,
+               error = std::sqrt(square / pixels) / (all / pixels);
+  std::printf("single by the gather: bias %+.3f, error %.3f of rays\n", bias, error);
+  EXPECT_LT(std::abs(bias), 0.05);
+  EXPECT_LT(error, 0.65);
+}
+
 // Layers add up to R, G, B; what is not computed by itself is in `multiple`; and for the report a half space, which a
 // plate of 40 mean free paths nearly is, stays as bright as it was.
 TEST_F(SinglePictures, LayersAddUp) {

@@ -12,10 +12,10 @@ namespace alabaster {
 class BeamTwin {
  public:
   struct Side {  // W/m^2 but for the last
-    glm::dvec3 gamma_s{0}, query_gamma{0}, near{0};
-    double near_cosine = 0;
+    glm::dvec3 gamma_s{0}, query_gamma{0}, skin{0};
+    double skin_cosine = 0;
   };
-  std::vector<glm::dvec3> power, leaving;                                // W, of each cell and of each entry
+  std::vector<glm::dvec3> power, seen, leaving;                          // W, of each cell, and of each entry
   glm::dvec3 entered{0}, near{0}, in_cells{0}, absorbed{0}, through{0};  // W
 
   BeamTwin(gpu::Context& context, Body& body, double index)
@@ -31,6 +31,7 @@ class BeamTwin {
         scale_(body.diffusion().kappa_scale()),
         channels_(body.diffusion().channels()) {
     power.assign(cut_index_.size(), glm::dvec3(0));
+    seen = power;
     leaving.assign(2 * cuts_.size(), glm::dvec3(0));
   }
 
@@ -39,10 +40,13 @@ class BeamTwin {
   Side light(std::uint32_t entry, glm::dvec3 normal, glm::dvec3 towards, glm::dvec3 flux) {
     const GpuCutCell& cut = cuts_[entry / 2];
     const GpuFacet& side = cut.side[entry % 2];
-    facet_ = {entry / 2, glm::dvec3(cut.cell) + glm::dvec3(side.centre), normal, 0, 0};
+    facet_ = {entry / 2, glm::dvec3(cut.cell) + glm::dvec3(side.centre), normal, 0, 0, 0};
     facet_.near = near_of(side);
     const double cosine = glm::dot(normal, towards), area = side.area * h_ * h_;
     facet_.mu = std::max(refracted_cosine<double>(cosine, optics_.eta), 1e-4);
+    const glm::dvec3 sigma_t = solid(cut.cell).sigma_t;
+    facet_.skin =
+        std::min(facet_.near, skin_depth<double>((sigma_t.x + sigma_t.y + sigma_t.z) / channels_ / facet_.mu));
     sums_ = {};
     boundary_ = leaving_here_ = glm::dvec3(0);
     const bool given = glm::any(glm::greaterThan(glm::abs(glm::dvec3(side.centre) - 0.5), glm::dvec3(0.51)));
@@ -51,9 +55,9 @@ class BeamTwin {
     march(cell, glm::normalize((cosine * normal - towards) / optics_.eta - facet_.mu * normal), area * flux);
     sums_.gamma_s = boundary_ / area;
     sums_.query_gamma = (boundary_ - optics_.A * leaving_here_) / area;
-    const double all = sums_.near.x + sums_.near.y + sums_.near.z;
-    sums_.near_cosine = all > 0 ? facet_.mu : 1;
-    sums_.near /= area;
+    const double all = sums_.skin.x + sums_.skin.y + sums_.skin.z;
+    sums_.skin_cosine = all > 0 ? facet_.mu : 1;
+    sums_.skin /= area;
     return sums_;
   }
 
@@ -65,7 +69,7 @@ class BeamTwin {
   struct Facet {
     std::uint32_t index = 0;
     glm::dvec3 origin{0}, normal{0};
-    double mu = 0, near = 0;
+    double mu = 0, near = 0, skin = 0;
   };
   struct Way {
     glm::dvec3 from, along;
@@ -87,7 +91,9 @@ class BeamTwin {
     glm::ivec3 cell{0};
     bool open = false;
     double depth = 0;
-    glm::dvec3 watts{0}, behind{0}, behind_depth{0};
+    struct {
+      glm::dvec3 watts{0}, behind{0}, behind_depth{0};
+    } laid[BEAM_LAYERS];
   };
 
   bool in_grid(glm::ivec3 c) const { return glm::all(glm::lessThan(glm::uvec3(c), glm::uvec3(n_))); }
@@ -135,7 +141,8 @@ class BeamTwin {
 
   double near_of(const GpuFacet& side) const {
     const auto cell = [&](double depth) { return glm::ivec3(glm::floor(facet_.origin - depth * facet_.normal)); };
-    return solid(cell(1.25)).there && solid(cell(0.75)).there ? 0.75 : std::min(double(side.distance), 0.75);
+    return solid(cell(1.25)).there && solid(cell(0.75)).there ? BEAM_NEAR_DEPTH
+                                                              : std::min(double(side.distance), BEAM_NEAR_DEPTH);
   }
 
   glm::dvec3 lose(Beam& b, const Solid& s, double length) {
@@ -153,7 +160,6 @@ class BeamTwin {
 
   void drive_boundary(glm::dvec3 watts, glm::dvec3 depth) {
     near += watts;
-    sums_.near += watts;
     for (int c = 0; c < channels_; ++c) {
       const double kap = media_[facet_.index].kappa[c], z = depth[c] * h_;
       const double per_length = std::sqrt(media_[facet_.index].sigma_a[c] / kap);
@@ -163,12 +169,14 @@ class BeamTwin {
     }
   }
 
-  void lay_down(glm::ivec3 cell, glm::dvec3 watts) {
+  void lay_down(glm::ivec3 cell, glm::dvec3 watts, int layer) {
+    seen[at(cell)] += watts;
+    if (layer == BEAM_SHALLOW) return;
     in_cells += watts;
     power[at(cell)] += watts;
   }
   void close(Node& node) {
-    if (node.open) lay_down(node.cell, node.watts + node.behind);
+    for (int k = 0; k < BEAM_LAYERS && node.open; ++k) lay_down(node.cell, node.laid[k].watts + node.laid[k].behind, k);
     node.open = false;
   }
   void leave(std::uint32_t index, glm::dvec3 normal, glm::dvec3 watts) {
@@ -187,31 +195,37 @@ class BeamTwin {
     const glm::dvec3 middle = glm::dvec3(w.cell) + glm::dvec3(cuts_[cut(w.cell)].centre);
     Node here{w.cell, true, glm::dot(facet_.origin - middle, facet_.normal)};
     if (!direct) {
-      here.watts = lose(beam, s, end - w.at);
+      here.laid[BEAM_DEEP].watts = lose(beam, s, end - w.at);
     } else {
       double apart = node.open ? here.depth - node.depth : 0;
-      if (apart < 0.2) {
-        apart = 0;
-      } else {
-        const glm::dvec3 forward = share(node.behind, (node.behind_depth - node.depth) / apart);
-        here.watts += forward;
-        node.behind -= forward;
+      if (apart < 0.2) apart = 0;
+      for (int k = 0; k < BEAM_LAYERS && apart > 0; ++k) {
+        const glm::dvec3 forward = share(node.laid[k].behind, (node.laid[k].behind_depth - node.depth) / apart);
+        here.laid[k].watts += forward;
+        node.laid[k].behind -= forward;
       }
-      double from = w.at, to = std::clamp(facet_.near / facet_.mu, from, end);
-      if (to > from) {
-        const glm::dvec3 depth = (from + mean_place(s, to - from)) * facet_.mu;
-        drive_boundary(lose(beam, s, to - from), depth);
-      }
-      from = to;
-      to = std::clamp(here.depth / facet_.mu, from, end);
+      double from = w.at, to = std::clamp(facet_.skin / facet_.mu, from, end);
       if (to > from) {
         const glm::dvec3 depth = (from + mean_place(s, to - from)) * facet_.mu, lost = lose(beam, s, to - from);
-        const glm::dvec3 back = apart > 0 ? share(lost, (here.depth - depth) / apart) : glm::dvec3(0);
-        node.watts += back;
-        here.watts += lost - back;
+        drive_boundary(lost, depth);
+        sums_.skin += lost;
       }
-      here.behind_depth = (to + mean_place(s, end - to)) * facet_.mu;
-      here.behind = lose(beam, s, end - to);
+      for (int k : {BEAM_SHALLOW, BEAM_DEEP}) {
+        const double stop = k == BEAM_SHALLOW ? std::clamp(facet_.near / facet_.mu, to, end) : end;
+        from = to;
+        to = std::clamp(here.depth / facet_.mu, from, stop);
+        if (to > from) {
+          const glm::dvec3 depth = (from + mean_place(s, to - from)) * facet_.mu, lost = lose(beam, s, to - from);
+          if (k == BEAM_SHALLOW) drive_boundary(lost, depth);
+          const glm::dvec3 back = apart > 0 ? share(lost, (here.depth - depth) / apart) : glm::dvec3(0);
+          node.laid[k].watts += back;
+          here.laid[k].watts += lost - back;
+        }
+        here.laid[k].behind_depth = (to + mean_place(s, stop - to)) * facet_.mu;
+        here.laid[k].behind = lose(beam, s, stop - to);
+        if (k == BEAM_SHALLOW) drive_boundary(here.laid[k].behind, here.laid[k].behind_depth);
+        to = stop;
+      }
     }
     close(node);
     node = here;
@@ -220,11 +234,14 @@ class BeamTwin {
   void spend(const Solid& s, double here, bool direct, Beam& beam, Node& node) {
     const glm::dvec3 scattered = beam.left * s.albedo;
     absorbed += beam.left - scattered;
-    if (direct && here * facet_.mu < facet_.near)
+    const double depth = direct ? here * facet_.mu : 1e30;
+    if (depth < facet_.near)
       drive_boundary(scattered, glm::min((here + 1.0 / glm::max(s.sigma_t, glm::dvec3(1e-6))) * facet_.mu,
                                          glm::dvec3(facet_.near)));
+    if (depth < facet_.skin)
+      sums_.skin += scattered;
     else
-      node.watts += scattered;
+      node.laid[depth < facet_.near ? BEAM_SHALLOW : BEAM_DEEP].watts += scattered;
     beam.left = glm::dvec3(0);
   }
 

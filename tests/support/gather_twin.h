@@ -184,15 +184,18 @@ class GatherTwin {
     const int side = side_of(normal);
     const glm::dvec4 near = sample4(near_[side], p);
     const auto there = [&](double depth) { return solid(glm::ivec3(glm::floor(p - depth * normal))).there; };
-    double bound = 0.75;
+    double bound = BEAM_NEAR_DEPTH;
     if (!there(1.25) || !there(0.75)) {
       const glm::ivec3 cell(glm::floor(p - 1e-3 * normal));
       const GpuFacet& facet = cuts_[in_grid(cell) ? cut_index_[at(cell)] : 0].side[side];
-      if (facet.area > 0) bound = std::clamp(double(facet.distance), 0.05, 0.75);
+      if (facet.area > 0) bound = std::clamp(double(facet.distance), 0.05, BEAM_NEAR_DEPTH);
     }
+    const double mu = std::max<double>(near.a, 0.05),
+                 skin = std::min(bound, skin_depth<double>((s.sigma_t.x + s.sigma_t.y + s.sigma_t.z) / 3 / mu));
     for (int c = 0; c < 3; ++c) {
       const NearLight n{float(near[c]),
-                        float(std::max(near.a, 0.05)),
+                        float(mu),
+                        float(std::max(skin * s.sigma_t[c], 1e-4)),
                         float(std::max(bound * s.sigma_t[c], 1e-4)),
                         float(s.albedo[c]),
                         float(view),

@@ -50,7 +50,8 @@ inline glm::dvec3 exact_flux(const Scene& scene, const LightSamples& lights, con
     const double cos_middle = glm::dot(n, w), spread = far ? light.cone.scale : 0;
     const double cos_receiver = cosine_above_horizon<double>(cos_middle, spread);
     if (sent <= 0 || cos_receiver <= 0) continue;
-    if (shadows && cos_middle > 0 && nearest_hit(scene, x + shift * n, w, light.object).distance < distance - shift) continue;
+    if (shadows && cos_middle > 0 && nearest_hit(scene, x + shift * n, w, light.object).distance < distance - shift)
+      continue;
     const double visible = cosine_of_visible_part<double>(cos_middle, spread);
     sum += glm::dvec3(light.intensity) * (cos_receiver / visible * point_transfer(visible, sent, square, eta));
   }

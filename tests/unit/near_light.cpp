@@ -24,11 +24,14 @@ TEST(NearLight, IsTheIntegralAlongTheRay) {
     for (float view : {0.05f, 0.8f, 1.0f})
       for (float bound : {0.01f, 0.6f, 5.0f})
         for (float tau : {0.02f, 1.0f, 12.0f}) {
-          const NearLight n{2, cosine, bound, 0.9f, view, tau};
-          const double end = std::min<double>(bound, double(tau) * view), whole = double(tau) * view,
-                       scattered = 1 - std::exp(-double(bound) / cosine), m = near_mean_depth<double>(cosine, bound);
-          const auto once = [&](double z) { return 2 * std::exp(-z / cosine) / (cosine * scattered); };
-          const auto surplus = [&](double z) { return 2 * 3 * 0.9 * m * std::exp(-z / m); };
+          const float skin = 0.4f * bound;
+          const NearLight n{2, cosine, skin, bound, 0.9f, view, tau};
+          const double end = std::min<double>(skin, double(tau) * view), whole = double(tau) * view,
+                       m = near_mean_depth<double>(cosine, bound);
+          const auto scattered = [&](double depth) { return 1 - std::exp(-depth / cosine); };
+          const auto once = [&](double z) { return 2 * std::exp(-z / cosine) / (cosine * scattered(skin)); };
+          const double driving = 2 * scattered(bound) / scattered(skin);
+          const auto surplus = [&](double z) { return driving * 3 * 0.9 * m * std::exp(-z / m); };
           const auto expect = [&](float found, double exact) {
             EXPECT_NEAR(found, exact, 1e-3 * exact + 1e-6)
                 << "cosine " << cosine << " view " << view << " bound " << bound << " tau " << tau;
@@ -42,7 +45,7 @@ TEST(NearLight, IsTheIntegralAlongTheRay) {
 
 // In a half space, lit by all of a beam: 1 / (mu + mu_view) and 3 a' mu^2 / (mu + mu_view).
 TEST(NearLight, InAHalfSpaceIsTheClosedForm) {
-  const NearLight n{1, 0.7f, 60, 0.95f, 0.6f, 1e3f};
+  const NearLight n{1, 0.7f, 60, 60, 0.95f, 0.6f, 1e3f};
   EXPECT_NEAR(near_single(n), 1 / 1.3, 1e-5);
   EXPECT_NEAR(near_surplus(n), 3 * 0.95 * 0.49 / 1.3, 1e-4);
   EXPECT_EQ(near_single_behind(n), 0);
