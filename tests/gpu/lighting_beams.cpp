@@ -79,7 +79,7 @@ TEST_F(LightingBeams, NothingIsLostAndTheOrderDoesNotShow) {
       EXPECT_GE(a.seen[i], a.power[i]);
       laid += a.power[i], near += double(a.seen[i]) - a.power[i];
     }
-    EXPECT_GT(near, 0.05 * t.near[c]);  // below the skin
+    EXPECT_GT(near, 0.01 * t.near[c]);  // below the skin; most is dense here
     const double h = body.domain().frame.h;
     for (std::size_t i = 2; i < a.skin.size(); ++i) {
       const double area = body.cut_cells()[i / 2].side[i % 2].area * h * h;
