@@ -137,66 +137,71 @@ struct Node {
   ivec3 cell;
   bool open;
   float depth;  // of its centroid below the entry, h
-  Laid laid[BEAM_LAYERS];
+  Laid deep, shallow;
 };
 
 Node node_of(ivec3 cell, bool open, float depth) {
   const Laid nothing = Laid(uvec3(0), uvec3(0), vec3(0));
-  return Node(cell, open, depth, Laid[BEAM_LAYERS](nothing, nothing));
+  return Node(cell, open, depth, nothing, nothing);
 }
 
 void close_node(inout Node n) {
-  for (int k = 0; k < BEAM_LAYERS && n.open; ++k) lay_down(n.cell, n.laid[k].units + n.laid[k].behind, k);
+  const uvec3 shallow = n.shallow.units + n.shallow.behind;
+  if (n.open) lay_down(n.cell, n.deep.units + n.deep.behind, BEAM_DEEP);
+  for (int once = n.open && shallow != uvec3(0) ? 1 : 0; once > 0; --once) lay_down(n.cell, shallow, BEAM_SHALLOW);
   n.open = false;
 }
 
-// Shares what was lost behind the centroid of the node before with the one that follows; returns how far they lie apart,
-// 0 where that is too little to tell depths by.
-float join(inout Node before, inout Node here) {
-  const float apart = before.open ? here.depth - before.depth : 0;
-  if (apart < 0.2) return 0;
-  for (int k = 0; k < BEAM_LAYERS; ++k) {
-    const uvec3 forward = share_of(before.laid[k].behind, (before.laid[k].behind_depth - before.depth) / apart);
-    here.laid[k].units += forward;
-    before.laid[k].behind -= forward;
-  }
-  return apart;
+// Shares what was lost behind the centroid of the node before with the one that follows, `apart` from it.
+void pass_on(inout Laid before, inout Laid here, float depth, float apart) {
+  const uvec3 forward = share_of(before.behind, (before.behind_depth - depth) / apart);
+  here.units += forward;
+  before.behind -= forward;
 }
 
-// The losses of one cell from w.at to `end`, by depth: in the skin, in each layer in front of the centroid and behind it. `direct`:
-// no mirror yet.
+// Of one cell's losses from w.at on.
+struct Stretch {
+  float from, to;  // along the way
+  float apart;     // of the nodes, 0 where that is too little to tell depths by
+  bool drives;     // the boundary condition, too
+};
+
+// What is lost over the stretch, in front of `depth` (the centroid's) and behind it.
+void cross_layer(Stretch stretch, float depth, Solid s, Facet f, inout Beam beam, inout Laid before, inout Laid here) {
+  const float middle = clamp(depth / f.mu, stretch.from, stretch.to);
+  const vec3 front_depth = (stretch.from + mean_place(s, middle - stretch.from)) * f.mu;
+  const uvec3 front = lose(beam, s, middle - stretch.from);
+  const uvec3 back = stretch.apart > 0 ? share_of(front, (depth - front_depth) / stretch.apart) : uvec3(0);
+  before.units += back;
+  here.units += front - back;
+  here.behind_depth = (middle + mean_place(s, stretch.to - middle)) * f.mu;
+  here.behind = lose(beam, s, stretch.to - middle);
+  for (int part = stretch.drives ? 0 : 2; part < 2; ++part)
+    drive_boundary(part == 0 ? front : here.behind, part == 0 ? front_depth : here.behind_depth, f);
+}
+
+// The losses of one cell from w.at to `end`, by depth: in the skin, shallow, deep. `direct`: no mirror yet. What stands in a loop
+// of one turn a CPU's lanes leave out where none needs it; what stands in an `if` they would run.
 void cross_cell(Way w, float end, Solid s, Facet f, bool direct, inout Beam beam, inout Node node) {
   const vec3 middle = vec3(w.cell) + cut_cells[imageLoad(cut_index, w.cell).r].centre;
   Node here = node_of(w.cell, true, dot(f.origin - middle, f.normal));
-  if (!direct) {
-    here.laid[BEAM_DEEP].units = lose(beam, s, end - w.at);
-  } else {
-    const float apart = join(node, here);
-    float from = w.at, to = clamp(f.skin / f.mu, from, end);
-    if (to > from) {
-      const vec3 depth = (from + mean_place(s, to - from)) * f.mu;
-      const uvec3 lost = lose(beam, s, to - from);
-      drive_boundary(lost, depth, f);
-      light_skin(lost, f);
-    }
-    for (int k = BEAM_SHALLOW; k >= BEAM_DEEP; --k) {
-      const float stop = k == BEAM_SHALLOW ? clamp(f.near / f.mu, to, end) : end;
-      from = to;
-      to = clamp(here.depth / f.mu, from, stop);
-      if (to > from) {
-        const vec3 depth = (from + mean_place(s, to - from)) * f.mu;
-        const uvec3 lost = lose(beam, s, to - from);
-        if (k == BEAM_SHALLOW) drive_boundary(lost, depth, f);
-        const uvec3 back = apart > 0 ? share_of(lost, (here.depth - depth) / apart) : uvec3(0);
-        node.laid[k].units += back;
-        here.laid[k].units += lost - back;
-      }
-      here.laid[k].behind_depth = (to + mean_place(s, stop - to)) * f.mu;
-      here.laid[k].behind = lose(beam, s, stop - to);
-      if (k == BEAM_SHALLOW) drive_boundary(here.laid[k].behind, here.laid[k].behind_depth, f);
-      to = stop;
-    }
+  float apart = direct && node.open ? here.depth - node.depth : 0;
+  if (apart < 0.2) apart = 0;
+  if (apart > 0) pass_on(node.deep, here.deep, node.depth, apart);
+  float at = w.at;
+  const bool waits = node.open && node.shallow.behind != uvec3(0);
+  for (int once = direct && (waits || at * f.mu < f.near) ? 1 : 0; once > 0; --once) {
+    if (apart > 0) pass_on(node.shallow, here.shallow, node.depth, apart);
+    const float skin = clamp(f.skin / f.mu, at, end);
+    const vec3 depth = (at + mean_place(s, skin - at)) * f.mu;
+    const uvec3 lost = lose(beam, s, skin - at);
+    drive_boundary(lost, depth, f);
+    light_skin(lost, f);
+    at = clamp(f.near / f.mu, skin, end);
+    cross_layer(Stretch(skin, at, apart, true), here.depth, s, f, beam, node.shallow, here.shallow);
   }
+  const float depth = direct ? here.depth : nowhere;  // of a mirrored beam all lies where it is lost
+  cross_layer(Stretch(at, end, apart, false), depth, s, f, beam, node.deep, here.deep);
   close_node(node);
   node = here;
 }
@@ -206,11 +211,14 @@ void spend(Solid s, float at, Facet f, bool direct, inout Beam beam, inout Node 
   const uvec3 scattered = share_of(beam.left, s.albedo);
   totals[BEAM_ABSORBED] += beam.left - scattered;
   const float depth = direct ? at * f.mu : nowhere;
-  if (depth < f.near) drive_boundary(scattered, min((at + 1 / max(s.sigma_t, vec3(1e-6))) * f.mu, vec3(f.near)), f);
+  for (int once = depth < f.near ? 1 : 0; once > 0; --once)
+    drive_boundary(scattered, min((at + 1 / max(s.sigma_t, vec3(1e-6))) * f.mu, vec3(f.near)), f);
   if (depth < f.skin)
     light_skin(scattered, f);
+  else if (depth < f.near)
+    node.shallow.units += scattered;
   else
-    node.laid[depth < f.near ? BEAM_SHALLOW : BEAM_DEEP].units += scattered;
+    node.deep.units += scattered;
   beam.left = uvec3(0);
 }
 
@@ -239,10 +247,9 @@ void march(Facet f, ivec3 cell, vec3 along, uvec3 units) {
     const bool leaves = out_at <= end && (out_at > 0.25 || mirrors > 0 || cut != f.index || dot(normal, f.normal) <= 0);
     if (leaves) end = out_at;
     cross_cell(w, end, s, f, mirrors == 0, beam, node);
-    if (all(lessThanEqual(beam.left * BEAM_LEAST_SHARE, units))) {
-      spend(s, end, f, mirrors == 0, beam, node);
-      break;
-    }
+    const bool spent = all(lessThanEqual(beam.left * BEAM_LEAST_SHARE, units));
+    for (int once = spent ? 1 : 0; once > 0; --once) spend(s, end, f, mirrors == 0, beam, node);
+    if (spent) break;
     if (!leaves) {
       step_on(w);
       continue;
