@@ -68,7 +68,7 @@ struct Plan {
 };
 
 /// Device memory that the scene's objects need at a grid of `grid` cells, by plan.transport, channels and
-/// interreflections: for each cell of the box of an object's grid 90 bytes and 125 a channel (165 with beams), and for
+/// interreflections: for each cell of the box of an object's grid 90 bytes and 125 a channel (177 with beams), and for
 /// each cell that its surface cuts 1000, 500 with beams, and 50 a direction of light between surfaces; and the shadow
 /// maps.
 std::uint64_t bytes_needed(const Scene& scene, const Plan& plan, int grid);
