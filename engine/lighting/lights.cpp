@@ -1,6 +1,7 @@
 #include "lighting/lights.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numeric>
 
@@ -76,24 +77,62 @@ double golden(int i) {
   return x - std::floor(x);
 }
 
-/// Point i of n: stratified along the list of triangles by area, a Fibonacci lattice inside each.
-LightSample sample_point(const Light& light, const Object& object, int i, int n) {
-  const double along = (i + 0.5) / n * light.area();
-  const auto found = std::upper_bound(light.area_below.begin(), light.area_below.end(), along);
-  const std::size_t k = std::min<std::size_t>(found - light.area_below.begin(), light.area_below.size() - 1);
-  const double low = k ? light.area_below[k - 1] : 0, width = light.area_below[k] - low;
+using Triangle = std::array<glm::dvec3, 3>;
 
-  const glm::uvec3 t = object.mesh.triangles[k];
-  const glm::dvec3 a = object.mesh.positions[t.x], b = object.mesh.positions[t.y], c = object.mesh.positions[t.z];
-  const glm::dvec2 u = {(along - low) / width, golden(i)};
-  const double root = std::sqrt(u.x);
-  LightSample sample;
-  sample.position = (1 - root) * a + root * (1 - u.y) * b + root * u.y * c;
-  sample.normal = glm::normalize(glm::cross(b - a, c - a));
-  sample.intensity = object.radiance * static_cast<float>(light.area() / n);
-  sample.kind = object.two_sided ? light_two_sided : light_one_sided;
-  sample.object = light.object;
-  return sample;
+/// n points of a triangle, a Fibonacci lattice, moved so that their mean is the triangle's, and stretched about it so
+/// that their mean square distance from it is, as far as none leaves the triangle: what falls on a receiver in the open
+/// is right to second order in the triangle's size.
+std::vector<glm::dvec3> spread_points(const Triangle& t, int n) {
+  std::vector<glm::dvec2> points;  // shares of the second and the third corner
+  glm::dvec2 mean(0);
+  for (int i = 0; i < n; ++i) {
+    const double root = std::sqrt((i + 0.5) / n), turn = golden(i);
+    points.emplace_back(root * (1 - turn), root * turn);
+    mean += points.back() / double(n);
+  }
+  const glm::dvec3 second = t[1] - t[0], third = t[2] - t[0], middle = (t[0] + t[1] + t[2]) / 3.0;
+  double wanted = 0, found = 0, room = INFINITY;
+  for (const glm::dvec3& corner : t) wanted += glm::dot(corner - middle, corner - middle) / 12;
+  for (glm::dvec2& p : points) {
+    p -= mean;
+    const glm::dvec3 off = p.x * second + p.y * third;
+    found += glm::dot(off, off) / n;
+    for (const double inwards : {p.x, p.y, -p.x - p.y})  // of the three corners' shares, each 1/3 in the middle
+      if (inwards < 0) room = std::min(room, 0.9999 / (-3 * inwards));
+  }
+  const double stretch = n > 1 ? std::min(std::sqrt(wanted / found), room) : 0;
+  std::vector<glm::dvec3> result;
+  for (const glm::dvec2& p : points) result.push_back(middle + stretch * (p.x * second + p.y * third));
+  return result;
+}
+
+/// n points, shared out to the triangles by area. Where each has one, those of a triangle stand for its area; where
+/// there are fewer points than that, each stands for as much as any other.
+std::vector<LightSample> sample_mesh(const Light& light, const Object& object, int n) {
+  const std::size_t triangles = object.mesh.triangles.size();
+  const auto points_below = [&](std::size_t k) {
+    return k ? static_cast<int>(std::floor(light.area_below[k - 1] / light.area() * n + 0.5)) : 0;
+  };
+  bool each = true;
+  for (std::size_t k = 0; k < triangles; ++k) each = each && points_below(k + 1) > points_below(k);
+  std::vector<LightSample> samples;
+  for (std::size_t k = 0; k < triangles; ++k) {
+    const int count = points_below(k + 1) - points_below(k);
+    if (count == 0) continue;
+    Triangle corners;
+    for (int c = 0; c < 3; ++c) corners[c] = object.mesh.positions[object.mesh.triangles[k][c]];
+    const double area = light.area_below[k] - (k ? light.area_below[k - 1] : 0);
+    LightSample sample;
+    sample.normal = glm::normalize(glm::cross(corners[1] - corners[0], corners[2] - corners[0]));
+    sample.intensity = object.radiance * static_cast<float>(each ? area / count : light.area() / n);
+    sample.kind = object.two_sided ? light_two_sided : light_one_sided;
+    sample.object = light.object;
+    for (const glm::dvec3& point : spread_points(corners, count)) {
+      sample.position = point;
+      samples.push_back(sample);
+    }
+  }
+  return samples;
 }
 
 /// Point i of n on the disc that a punctual light shows to `target`, evenly spread and of equal weight.
@@ -178,9 +217,12 @@ LightSamples sample_lights(const Scene& scene, int samples, int directions) {
   const auto first_of_next = [&] { return static_cast<std::ptrdiff_t>(result.area.size()); };
   for (const Light& light : lights) {
     const std::ptrdiff_t first = first_of_next();
-    for (int i = 0; i < light.samples; ++i)
-      result.area.push_back(light.punctual ? sample_point(*light.punctual, focus.centre, i, light.samples)
-                                           : sample_point(light, scene.objects[light.object], i, light.samples));
+    if (light.punctual)
+      for (int i = 0; i < light.samples; ++i)
+        result.area.push_back(sample_point(*light.punctual, focus.centre, i, light.samples));
+    else
+      for (const LightSample& sample : sample_mesh(light, scene.objects[light.object], light.samples))
+        result.area.push_back(sample);
     put_together(result.area.begin() + first, result.area.end());
   }
   if (scene.environment.picture && directions > 0) {
