@@ -6,7 +6,7 @@
 
 namespace alabaster {
 
-static_assert(sizeof(BeamPush) == 112);
+static_assert(sizeof(BeamPush) == 116);
 
 namespace {
 
@@ -71,9 +71,10 @@ glm::dvec3 beam_unit(const LightSamples& lights, const GridFrame& frame) {
   return most * (4 * h * h / BEAM_MOST_UNITS);  // a facet is seldom larger than 2 h^2
 }
 
-BeamSource::BeamSource(gpu::Context& context, const Domain& domain, const BeamStarts& starts, int channels)
+BeamSource::BeamSource(gpu::Context& context, const Domain& domain, const BeamStarts& starts, int channels, float skin)
     : domain_(domain),
       channels_(channels),
+      skin_(skin),
       receivers_(context, domain),
       march_(context, "lighting/beam_march.comp"),
       source_(context, "lighting/beam_source.comp"),
@@ -116,6 +117,7 @@ void BeamSource::record(gpu::Commands& commands, const Lighting& lighting, const
                 static_cast<float>(optics.A),
                 static_cast<float>(optics.f_dt),
                 domain_.frame.h,
+                skin_,
                 glm::vec3(medium.kappa_scale),
                 glm::vec3(unit_),
                 around.shape,

@@ -26,7 +26,9 @@ struct BeamMedium {
 
 class BeamSource {
  public:
-  BeamSource(gpu::Context& context, const Domain& domain, const BeamStarts& starts, int channels);
+  /// `skin`: depth below a facet down to which its light is seen only there, at least (skin_depth), h.
+  BeamSource(gpu::Context& context, const Domain& domain, const BeamStarts& starts, int channels,
+             float skin = float(BEAM_SKIN_DEPTH));
 
   /// Fills what is below. The shadow maps of `lighting` must have been recorded before. `more`: after a record()
   /// without light from surfaces adds what these send now. Stage "beams".
@@ -34,12 +36,12 @@ class BeamSource {
               const Surroundings& around = {}, bool more = false);
 
   // W/m^2, two vec3 an entry of Domain::cut_cells: source of the boundary condition, Gamma of the render query, all
-  // that enters; and two vec4 with what is scattered in the facet's skin (BEAM_SKIN_DEPTH) and its mean cosine with the
-  // normal.
+  // that enters; and two vec4 with what is scattered in the facet's skin and its mean cosine with the normal.
   const gpu::Buffer& gamma_s() const { return gamma_s_; }
   const gpu::Buffer& query_gamma() const { return query_gamma_; }
   const gpu::Buffer& entered() const { return entered_; }
   const gpu::Buffer& near() const { return near_; }
+  float skin() const { return skin_; }
   /// W/m^2, two vec3 an entry: what leaves there unscattered, spread over the facets around that look the same way.
   const gpu::Buffer& through() const { return through_; }
   /// Scattered in the cells, W, packed like kappa; and that with what is scattered below the skin but so near its facet
@@ -56,6 +58,7 @@ class BeamSource {
  private:
   const Domain& domain_;
   int channels_;
+  float skin_;
   std::vector<std::uint32_t>
       first_of_round_;  // of sides_; a round for each start that a facet has at most, and the end
   FacetReceivers receivers_;

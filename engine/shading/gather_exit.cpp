@@ -31,7 +31,8 @@ std::vector<GatherPlace> places_of(const std::vector<GpuCutCell>& cut_cells, Gat
   return places;
 }
 
-std::vector<GatherGrid> gather_grid(GatherGrid grid, float level_edge) {
+std::vector<GatherGrid> gather_grid(GatherGrid grid, float skin, float level_edge) {
+  grid.skin = skin;
   grid.level_edge = level_edge;
   return {grid};
 }
@@ -68,7 +69,8 @@ GatherExit::GatherExit(gpu::Context& context, const Domain& domain, const Diffus
       unscattered_pass_(context, "shading/unscattered.comp"),
       level_pass_(context, "shading/gather_level.comp"),
       linear_(context, gpu::Filter::linear),
-      grid_(gpu::make_buffer(context, gather_grid(ray_grid(domain, diffusion, eta), edge_), "gather grid")),
+      grid_(
+          gpu::make_buffer(context, gather_grid(ray_grid(domain, diffusion, eta), beam.skin(), edge_), "gather grid")),
       fluxes_(context, push_.count * sizeof(GatherFlux), "gather fluxes", gpu::Memory::host),
       fluence_(cell_image(context, domain, "beam fluence")),
       near_{cell_image(context, domain, "near light, up"), cell_image(context, domain, "near light, down")},

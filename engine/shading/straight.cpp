@@ -17,10 +17,15 @@ GatherGrid ray_grid(const Domain& domain, const Diffusion& diffusion, double eta
                   static_cast<float>(eta),
                   static_cast<float>(optics.A),
                   static_cast<float>(optics.f_dt),
+                  0,
                   1,
+                  {},
                   {}};
-  const std::vector<glm::vec2> closures = gather_closures(eta);
-  std::copy(closures.begin(), closures.end(), grid.closure);
+  const GatherClosures closures(eta);
+  const std::vector<glm::vec2> levels = closures.table();
+  const std::vector<float> exits = closures.exits();
+  std::copy(levels.begin(), levels.end(), grid.closure);
+  std::copy(exits.begin(), exits.end(), grid.exit);
   return grid;
 }
 

@@ -351,7 +351,7 @@ void light_side(uint at) {
     if (units == uvec3(0)) continue;
     f.mu = max(refracted_cosine(light.cosine, push.eta), 1e-4);
     f.near = near_of(side, f.origin, f.normal);
-    f.skin = min(f.near, skin_depth(thickness / f.mu));
+    f.skin = min(f.near, skin_depth(thickness / f.mu, push.skin));
     totals[BEAM_ENTERED] += units;
     march(f, cell, normalize((light.cosine * f.normal - light.towards) / push.eta - f.mu * f.normal), units);
   }

@@ -23,7 +23,7 @@ GatherFlux flux_of(uint index, int s) {
     const float angle = 6.28318531 * (float(i % GATHER_SECTORS) + float(ring) / GATHER_RINGS) / GATHER_SECTORS;
     const vec3 outside = cosine * normal + sine * (cos(angle) * across + sin(angle) * other);
     const float weight = fresnel_transmittance(cosine, grid.eta);
-    gathered += weight * gather_along(from, normal, refracted_inwards(outside, normal, cosine), 0).all;
+    gathered += weight * exit_of(cosine) * gather_along(from, normal, refracted_inwards(outside, normal, cosine), 0).all;
     weights += weight;
   }
   return GatherFlux(side.area * bracket_at(from, (facet_class(normal) & 1) == 1),

@@ -52,6 +52,13 @@ vec2 closure_of(float albedo) {
   return mix(grid.closure[before], grid.closure[before + 1], place - float(before));
 }
 
+// Of an outside cosine; see GatherClosures::exit().
+float exit_of(float cosine) {
+  const float place = sqrt(clamp(cosine, 0, 1)) * (GATHER_EXITS - 1);
+  const int before = min(int(place), GATHER_EXITS - 2);
+  return mix(grid.exit[before], grid.exit[before + 1], place - float(before));
+}
+
 // 4 pi times radiance, W/m^2: all that arrives, and of it what was scattered once (sigma_s' phi_b, of lamps and sky alone).
 struct Gathered {
   vec3 all, single;
@@ -72,7 +79,7 @@ void add_near(vec3 p, vec3 normal, Solid s, float view, vec3 tau, bool behind, i
   const vec4 near_ = down ? texture(near_down, place_of(p)) : texture(near_up, place_of(p));
   const float depth = near_depth_at(p, normal, down);
   const float mu = max(near_.a, 0.05), thickness = (s.sigma_t.r + s.sigma_t.g + s.sigma_t.b) / 3,
-              skin = min(depth, skin_depth(thickness / mu));
+              skin = min(depth, skin_depth(thickness / mu, grid.skin));
   const vec3 own = texture(unscattered, place_of(p)).rgb;
   for (int c = 0; c < 3; ++c) {
     const NearLight n = NearLight(near_[c], mu, max(skin * s.sigma_t[c], 1e-4), max(depth * s.sigma_t[c], 1e-4), s.albedo[c], view,

@@ -39,7 +39,7 @@ void main() {
       const Gathered inside = gather_along(at, hit.normal, inwards, -log(STRAIGHT_LEAST_SHARE));
       const float scale = fresnel_transmittance(cosine, grid.eta) / (4 * 3.14159265358979 * grid.eta * grid.eta);
       once += hit.weight * scale * inside.single;
-      sum += hit.weight * scale * (level_at(at, hit.normal) * inside.all - inside.single);
+      sum += hit.weight * scale * (level_at(at, hit.normal) * exit_of(cosine) * inside.all - inside.single);
       open = open || inside.open;
     }
   while (todo != 0);

@@ -26,9 +26,11 @@ ALABASTER_BEGIN_SHARED
 // Depths below a facet, h, or less where the object is thinner. What is scattered nearer than this drives the boundary
 // condition: the cell's phi is not drawn so finely.
 #define BEAM_NEAR_DEPTH 0.75
-// And what is scattered nearer than the skin, at least this, a view ray meets only at the facet; what is deeper it
-// meets in the cells, wherever it comes from (skin_depth).
-#define BEAM_SKIN_DEPTH 0.375
+// And what is scattered nearer than the skin, at least this, a view ray meets only at the facet, where it starts or ends;
+// what is deeper it meets in the cells, wherever it comes from (skin_depth). Nearer the cells would smear it over the
+// surface; were it deeper, rays that pass below a lit surface would miss it. Chosen on balls
+// (tests/physics/gather_skin.cpp).
+#define BEAM_SKIN_DEPTH 0.2
 
 // Where units went: counters [count][channel], low words, then high words.
 #define BEAM_ENTERED 0
@@ -58,6 +60,7 @@ struct BeamPush {
   int channels;  // 1 or 3
   float eta, f_dt_outer, A, f_dt;
   float h;           // m
+  float skin;        // h, at least
   vec3 kappa_scale;  // m
   vec3 unit;         // W; 0: no light in the channel
   SkyLinks sky;
@@ -68,10 +71,11 @@ struct BeamPush {
 };
 
 // `across`: the optical depth of a beam's way through one cell's depth, h sigma_t / mu. Light that falls off within a
-// cell would be smeared over it and its neighbours: up to 1 the facet keeps half of the near depth, from 1.5 on all of
-// it.
-SHARED_FN real skin_depth(real across) {
-  return min(max(real(BEAM_NEAR_DEPTH) * across - real(BEAM_SKIN_DEPTH), real(BEAM_SKIN_DEPTH)), real(BEAM_NEAR_DEPTH));
+// cell would be smeared over it and its neighbours, so from 1.5 on the facet keeps all of the near depth, up to 1 only
+// `least`.
+SHARED_FN real skin_depth(real across, real least) {
+  real share = min(max(real(2) * across - real(2), real(0)), real(1));
+  return least + share * max(real(BEAM_NEAR_DEPTH) - least, real(0));
 }
 
 // Mean of t over [0, 1] weighted with exp(-x t): where in a segment of optical depth x a beam is lost.

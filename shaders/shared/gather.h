@@ -24,6 +24,8 @@ ALABASTER_BEGIN_SHARED
 // Entries of the closure's table, to this 1 - a' at most.
 #define GATHER_CLOSURES 17
 #define GATHER_MOST_ABSORBED 0.3
+// Entries of its table of the outside cosine.
+#define GATHER_EXITS 17
 
 struct GatherGrid {
   ivec3 cells;
@@ -32,8 +34,10 @@ struct GatherGrid {
   float h;           // m
   vec3 kappa_scale;  // m
   float eta, A, f_dt;
+  float skin;                     // h, at least
   float level_edge;               // h, between nodes of the levels
   vec2 closure[GATHER_CLOSURES];  // engine/shading/gather_closure.h
+  float exit[GATHER_EXITS];
 };
 
 // Out of one side of a cut cell, times 4 / F_dt, W/m^2 h^2.

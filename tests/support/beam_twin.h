@@ -45,8 +45,8 @@ class BeamTwin {
     const double cosine = glm::dot(normal, towards), area = side.area * h_ * h_;
     facet_.mu = std::max(refracted_cosine<double>(cosine, optics_.eta), 1e-4);
     const glm::dvec3 sigma_t = solid(cut.cell).sigma_t;
-    facet_.skin =
-        std::min(facet_.near, skin_depth<double>((sigma_t.x + sigma_t.y + sigma_t.z) / channels_ / facet_.mu));
+    const double thickness = (sigma_t.x + sigma_t.y + sigma_t.z) / channels_;
+    facet_.skin = std::min(facet_.near, skin_depth<double>(thickness / facet_.mu, BEAM_SKIN_DEPTH));
     sums_ = {};
     boundary_ = leaving_here_ = glm::dvec3(0);
     const bool given = glm::any(glm::greaterThan(glm::abs(glm::dvec3(side.centre) - 0.5), glm::dvec3(0.51)));

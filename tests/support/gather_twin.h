@@ -37,6 +37,9 @@ class GatherTwin {
       field_[s] = gpu::download<glm::vec4>(context, body.diffusion().surface(s));
       drive_[s] = gpu::download<glm::vec4>(context, body.diffusion().surface_gamma(s));
     }
+    const GatherClosures closures(eta);
+    closures_ = closures.table();
+    exits_ = closures.exits();
     const glm::dvec3 origin = body.domain().frame.origin;
     for (const glm::uvec3& t : mesh.triangles) {
       std::array<glm::dvec3, 3> corners;
@@ -53,6 +56,12 @@ class GatherTwin {
 
   glm::dvec3 refracted_inwards(glm::dvec3 outside, glm::dvec3 normal, double cosine) const {
     return glm::normalize((cosine * normal - outside) / eta_ - refracted_cosine<double>(cosine, eta_) * normal);
+  }
+
+  double exit_of(double cosine) const {  // of the table, which is linear between its entries
+    const double place = std::sqrt(cosine) * (GATHER_EXITS - 1);
+    const int before = std::min(int(place), GATHER_EXITS - 2);
+    return glm::mix(double(exits_[before]), double(exits_[before + 1]), place - before);
   }
 
   static int side_of(glm::dvec3 normal) { return facet_class(normal) & 1; }
@@ -172,10 +181,9 @@ class GatherTwin {
   }
 
   GatherClosure closure_of(double albedo) const {  // of the table, which is linear between its entries
-    static const std::vector<glm::vec2> table = gather_closures(eta_);
     const double place = std::sqrt(std::clamp((1 - albedo) / GATHER_MOST_ABSORBED, 0.0, 1.0)) * (GATHER_CLOSURES - 1);
     const int before = std::min(int(place), GATHER_CLOSURES - 2);
-    const glm::dvec2 mixed = glm::mix(glm::dvec2(table[before]), glm::dvec2(table[before + 1]), place - before);
+    const glm::dvec2 mixed = glm::mix(glm::dvec2(closures_[before]), glm::dvec2(closures_[before + 1]), place - before);
     return {mixed.x, mixed.y};
   }
 
@@ -190,8 +198,8 @@ class GatherTwin {
       const GpuFacet& facet = cuts_[in_grid(cell) ? cut_index_[at(cell)] : 0].side[side];
       if (facet.area > 0) bound = std::clamp(double(facet.distance), 0.05, BEAM_NEAR_DEPTH);
     }
-    const double mu = std::max<double>(near.a, 0.05),
-                 skin = std::min(bound, skin_depth<double>((s.sigma_t.x + s.sigma_t.y + s.sigma_t.z) / 3 / mu));
+    const double mu = std::max<double>(near.a, 0.05), thickness = (s.sigma_t.x + s.sigma_t.y + s.sigma_t.z) / 3,
+                 skin = std::min(bound, skin_depth<double>(thickness / mu, BEAM_SKIN_DEPTH));
     for (int c = 0; c < 3; ++c) {
       const NearLight n{float(near[c]),
                         float(mu),
@@ -215,6 +223,8 @@ class GatherTwin {
   const std::vector<float> volume_, kappa_, absorption_;
   const glm::dvec3 scale_;
   const std::vector<glm::vec4> fluence_;
+  std::vector<glm::vec2> closures_;
+  std::vector<float> exits_;
   std::vector<glm::vec4> unscattered_, near_[2], field_[2], drive_[2];
   std::vector<std::array<glm::dvec3, 3>> triangles_;  // h
 };
