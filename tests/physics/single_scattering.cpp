@@ -97,6 +97,17 @@ TEST_F(SinglePictures, GatherEqualsThePathTracer) {
   expect_layer("ball, eta 1", lit_scene(icosphere(4), medium_of(20, 0.95), 1), Transport::gather, 0.03, 0.07);
 }
 
+// Steep light does not enter a medium of a lower index, nor come from it: the closure's averages leave it out.
+TEST_F(SinglePictures, GatherOfALowerIndex) {
+  for (double eta : {0.5, 0.8}) {
+    const Scene scene = lit_scene(icosphere(4), medium_of(20, 0.99), eta);
+    const Picture gather = render(scene, {}, Transport::gather, {40, 30}).shaded.picture,
+                  report = render(scene, {}, Transport::report, {40, 30}).shaded.picture;
+    for (float v : gather.channels.at("G")) ASSERT_TRUE(std::isfinite(v)) << eta;
+    EXPECT_NEAR(mean_of(gather, "") / mean_of(report, ""), 1, 0.1) << eta;
+  }
+}
+
 // A ray that passes below a lit surface meets its light where it neither starts nor ends there, too: bumps of a few
 // cells, lit from behind, against rays to the lamp, which hardly depend on the grid.
 TEST_F(SinglePictures, GatherSeesLightThatItPasses) {

@@ -161,11 +161,13 @@ TEST(GatherClosure, TableHoldsIt) {
 }
 
 TEST(GatherClosure, ExitsAreInTheirTable) {
-  for (double eta : {0.7, 1.0, 1.5, 3.0}) {
+  for (double eta : {0.4, 0.7, 1.0, 1.5, 3.0}) {
     const GatherClosures closures(eta);
+    for (const glm::vec2& closure : closures.table()) EXPECT_TRUE(closure.x > 0 && closure.y > 0) << eta;
     const std::vector<float> exits = closures.exits();
     ASSERT_EQ(exits.size(), std::size_t(GATHER_EXITS));
     for (double cosine : {0.03, 0.1, 0.4, 0.9, 1.0}) {
+      if (fresnel_transmittance(cosine, eta) <= 0) continue;
       const double place = std::sqrt(cosine) * (GATHER_EXITS - 1);
       const int before = std::min(int(place), GATHER_EXITS - 2);
       const double read = exits[before] + (place - before) * (exits[before + 1] - exits[before]);
