@@ -130,7 +130,7 @@ std::function<double(double)> chandrasekhar() {
 }
 
 // Under one beam transport sends H(mu) H(mu0) mu0 / (mu + mu0): at the flux that both have the gather is within 0.5 %
-// of it, whatever the two angles. Without exit() it is 5 to 7 % too bright at mu = 0.1.
+// of it, whatever the two angles. Without exit() it is 6 % too bright at mu = 0.1.
 TEST(GatherClosure, WhiteHalfSpaceUnderABeamIsChandrasekhars) {
   const auto H = chandrasekhar();
   EXPECT_NEAR(H(1), 2.9078, 0.005);
