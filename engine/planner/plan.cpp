@@ -128,7 +128,7 @@ const char* name_of(Component component) { return component_names[static_cast<in
 // 3 to 20 % below this.
 std::uint64_t bytes_needed(const Scene& scene, const Plan& plan, int grid) {
   const bool beams = plan.transport == Transport::beam || plan.transport == Transport::gather;
-  const double per_cell = 90 + (beams ? 177 : 125) * plan.channels;
+  const double per_cell = 90 + (plan.transport == Transport::gather ? 32 : 0) + (beams ? 177 : 125) * plan.channels;
   const double per_facet = 1000 + (beams ? 500 : 0) + (plan.interreflections > 0 ? 50 * plan.exchange_directions : 0);
   const double maps = plan.light_samples + plan.environment_samples + 6.0 * static_cast<double>(scene.lights.size());
   double bytes = 4e6 + 4.0 * maps * plan.shadow_map_size * plan.shadow_map_size;

@@ -1,6 +1,7 @@
 #include "shading/gather_closure.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "shared/gather.h"
@@ -18,11 +19,29 @@ struct HalfSpace {
   double B(double k) const { return -C(k) * (1 + 2 * A * k / 3) / (1 + s); }
 };
 
+/// Moments of the reflectance from inside, R_n = integral of R(mu) mu^n dmu.
+std::array<double, 7> reflected_moments(double eta) {
+  constexpr int cosines = 4000;
+  std::array<double, 7> moments{};
+  for (int i = 0; i < cosines; ++i) {
+    const double mu = (i + 0.5) / cosines;
+    double part = fresnel_reflectance(mu, 1 / eta) / cosines;
+    for (double& moment : moments) moment += part, part *= mu;
+  }
+  return moments;
+}
+
+double leak_of(double eta) {
+  const std::array<double, 7> R = reflected_moments(eta);
+  const double A2 = -9 * R[1] / 4 + 15 * R[3] / 2 - 25 * R[5] / 4, B2 = 63 * R[2] / 4 - 105 * R[4] / 2 + 175 * R[6] / 4;
+  return 9.0 / 5 * (7.0 / 24 + A2) / (1 + B2);
+}
+
 }  // namespace
 
 // Midpoint rule over the outside cosine c, from which mu dmu = c dc / eta^2.
 GatherClosures::GatherClosures(double eta)
-    : eta_(eta), A_(boundary_constant(internal_diffuse_reflectance<double>(eta))) {
+    : eta_(eta), A_(boundary_constant(internal_diffuse_reflectance<double>(eta))), leak_(leak_of(eta)) {
   constexpr int cosines = 200;
   for (int i = 0; i < cosines; ++i) {
     const double c = (i + 0.5) / cosines;
@@ -86,6 +105,23 @@ GatherClosure GatherClosures::at(double albedo) const {
 double GatherClosures::exit(double cosine) const {
   const Sent white = sent(1, std::max(refracted_cosine(cosine, eta_), 1e-3));
   return exit_scale_ / (white_.diffuse * white.diffused + white_.beams * white.once);
+}
+
+// Under e^(-k z) spread light is (e^(-k z) - (leak + k L^2) / (leak + L) e^(-z / L)) / (1 - k^2 L^2).
+double GatherClosures::kept() const {
+  constexpr double square = GATHER_SPREAD;
+  const double length = std::sqrt(square);
+  double spread = 0, beams = 0;
+  for (const Direction& out : directions_)
+    for (const Direction& in : directions_) {
+      const double k = 1 / in.inside, weight = out.share * out.exit * in.share * k;
+      double apart = 1 - k * k * square;
+      if (std::abs(apart) < 1e-6) apart = 1e-6;  // the quotient has no pole there
+      const double straight = 1 / (1 + k * out.inside), layer = 1 / (1 + out.inside / length);
+      spread += weight * (straight - (leak_ + k * square) / (leak_ + length) * layer) / apart;
+      beams += weight * straight;
+    }
+  return spread / beams;
 }
 
 std::vector<glm::vec2> GatherClosures::table() const {

@@ -35,6 +35,13 @@ class GatherClosures {
   /// (tests/unit/gather_closure.cpp).
   double exit(double cosine) const;
 
+  /// Spread light T that leaves by a surface, 9/35 dT/dz = leak T in mean free paths: SP3's second boundary condition
+  /// with the moments of Fresnel's reflectance (Klose and Larsen 2006, J. Comput. Phys. 220), 21/40 at eta 1.
+  double leak() const { return leak_; }
+  /// Of a half space without absorption in diffuse light: what it sends of spread light over what it sends of the same
+  /// light where beams bring it. The closure's own `beams` counts light as if it stayed there.
+  double kept() const;
+
   /// (diffuse, beams) for GATHER_CLOSURES albedos, evenly spread in the root of 1 - a' (closure_of,
   /// shaders/shading/gather_ray.glsl).
   std::vector<glm::vec2> table() const;
@@ -55,7 +62,7 @@ class GatherClosures {
   /// The closure at which the flux is right, by what is sent along each of the directions.
   GatherClosure closed(double albedo, const std::vector<Sent>& sent) const;
 
-  double eta_, A_;
+  double eta_, A_, leak_;
   std::vector<Direction> directions_;
   GatherClosure white_;  // at a' = 1
   double exit_scale_ = 1;

@@ -1,7 +1,9 @@
 #include "shading/gather_exit.h"
 
 #include <algorithm>
+#include <cmath>
 
+#include "shading/gather_closure.h"
 #include "shading/straight.h"
 
 namespace alabaster {
@@ -52,6 +54,23 @@ float level_edge(gpu::Context& context, const Domain& domain, const Diffusion& d
   return static_cast<float>(std::clamp<double>(reach, GATHER_LEAST_LEVEL_EDGE, std::max({n.x, n.y, n.z})));
 }
 
+/// Of successive over-relaxation: what is left of an error falls as relaxation - 1 a sweep.
+struct Sweeps {
+  double relaxation;
+  int count;
+};
+
+/// `longest`: the longest mean free path, h. Where it is so long that `most` sweeps do not do, light is spread as far
+/// as they carry it.
+Sweeps sweeps_for(double longest) {
+  constexpr double left = 0.02;
+  constexpr int most = 40, more = 2;  // before the errors fall at that rate
+  const double joined = 6 * GATHER_SPREAD * longest * longest, jacobi = joined / (1 + joined);
+  const double rate =
+      std::clamp(2 / (1 + std::sqrt(1 - jacobi * jacobi)) - 1, 1e-3, std::pow(left, 1.0 / (most - more)));
+  return {1 + rate, more + static_cast<int>(std::ceil(std::log(left) / std::log(rate) - 1e-9))};
+}
+
 }  // namespace
 
 GatherExit::GatherExit(gpu::Context& context, const Domain& domain, const Diffusion& diffusion, const BeamSource& beam,
@@ -64,7 +83,11 @@ GatherExit::GatherExit(gpu::Context& context, const Domain& domain, const Diffus
       push_(push_of(2 * (domain.summary.cut_cells + 1))),
       places_(places_of(gpu::download<GpuCutCell>(context, domain.cut_cells), push_)),
       edge_(level_edge(context, domain, diffusion)),
+      leak_(GatherClosures(eta).leak()),
+      kept_(GatherClosures(eta).kept()),
       fluence_pass_(context, "shading/beam_fluence.comp"),
+      beam_spread_pass_(context, "shading/beam_spread.comp"),
+      beam_shift_pass_(context, "shading/beam_shift.comp"),
       spread_pass_(context, "shading/spread_facets.comp"),
       unscattered_pass_(context, "shading/unscattered.comp"),
       level_pass_(context, "shading/gather_level.comp"),
@@ -73,6 +96,8 @@ GatherExit::GatherExit(gpu::Context& context, const Domain& domain, const Diffus
           gpu::make_buffer(context, gather_grid(ray_grid(domain, diffusion, eta), beam.skin(), edge_), "gather grid")),
       fluxes_(context, push_.count * sizeof(GatherFlux), "gather fluxes", gpu::Memory::host),
       fluence_(cell_image(context, domain, "beam fluence")),
+      shift_(cell_image(context, domain, "shift of beams' fluence")),
+      spread_(cell_image(context, domain, "spread fluence of beams")),
       near_{cell_image(context, domain, "near light, up"), cell_image(context, domain, "near light, down")},
       unscattered_(cell_image(context, domain, "share of lamps' beams", VK_FORMAT_R8G8B8A8_UNORM)) {}
 
@@ -80,6 +105,7 @@ gpu::Bindings GatherExit::ray_bindings() const {
   gpu::Bindings bindings = way_bindings(grid_, domain_, diffusion_);
   for (const gpu::Bindings& more :
        {rays_.bindings(), gpu::Bindings{{"beam_fluence", fluence_, linear_},
+                                        {"beam_shift", shift_, linear_},
                                         {"near_up", near_[0], linear_},
                                         {"near_down", near_[1], linear_},
                                         {"unscattered", unscattered_, linear_},
@@ -97,6 +123,28 @@ gpu::Bindings GatherExit::picture_bindings() const {
   return bindings;
 }
 
+void GatherExit::spread_beams(gpu::Commands& commands) {
+  const glm::dvec3 kappa = diffusion_.kappa_scale();
+  const Sweeps sweeps = sweeps_for(3 * std::max({kappa.x, kappa.y, kappa.z}) / domain_.frame.h);
+  const glm::ivec3 n = domain_.frame.cells;
+  for (int half = 0; half < 2 * sweeps.count; ++half)
+    commands.dispatch(beam_spread_pass_, glm::uvec3((n.x + 1) / 2, n.y, n.z),
+                      {{"grid", grid_},
+                       {"volume", domain_.volume},
+                       {"kappa", diffusion_.kappa()},
+                       {"cut_index", domain_.cut_index},
+                       {"cut_cells", domain_.cut_cells},
+                       {"aperture_x", domain_.aperture[0]},
+                       {"aperture_y", domain_.aperture[1]},
+                       {"aperture_z", domain_.aperture[2]},
+                       {"beams", shift_},
+                       {"spread", spread_}},
+                      GatherSpreadPush{static_cast<float>(leak_), static_cast<float>(sweeps.relaxation), half % 2});
+  commands.dispatch(beam_shift_pass_, glm::uvec3(n),
+                    {{"volume", domain_.volume}, {"spread", spread_}, {"shift", shift_}},
+                    GatherShiftPush{n, static_cast<float>(kept_)});
+}
+
 void GatherExit::update() {
   gpu::Commands commands(context_);
   {
@@ -108,7 +156,12 @@ void GatherExit::update() {
                        {"cut_cells", domain_.cut_cells},
                        {"kappa", diffusion_.kappa()},
                        {"absorption", diffusion_.absorption()},
-                       {"fluence", fluence_}});
+                       {"cut_index", domain_.cut_index},
+                       {"near_light", beam_.near()},
+                       {"fluence", fluence_},
+                       {"shift", shift_},
+                       {"spread", spread_}});
+    spread_beams(commands);
     commands.dispatch(spread_pass_, glm::uvec3(domain_.frame.cells),
                       {{"values", beam_.near()},
                        {"cut_index", domain_.cut_index},

@@ -27,6 +27,8 @@ class GatherExit {
   /// phi_b of what beams scatter below the facets' skin, W/m^2; what they scatter in it, of side 0 or 1, W/m^2, and its
   /// mean cosine; GatherFlux of the sides k * stride().
   const gpu::Image& fluence() const { return fluence_; }
+  /// Of both kinds of scattered light what spreading it adds (shaders/shading/beam_shift.comp), W/m^2.
+  const gpu::Image& shift() const { return shift_; }
   const gpu::Image& near(int side) const { return near_[side]; }
   /// Of both, per channel, the share that no surface has sent (1: all): what of them is single scattering.
   const gpu::Image& unscattered() const { return unscattered_; }
@@ -38,6 +40,7 @@ class GatherExit {
 
  private:
   gpu::Bindings ray_bindings() const;
+  void spread_beams(gpu::Commands& commands);
 
   gpu::Context& context_;
   const Domain& domain_;
@@ -47,10 +50,11 @@ class GatherExit {
   GatherLevelPush push_;
   std::vector<GatherPlace> places_;  // those asked
   float edge_;                       // of the levels, cells
-  gpu::Pass fluence_pass_, spread_pass_, unscattered_pass_, level_pass_;
+  double leak_, kept_;               // GatherClosures
+  gpu::Pass fluence_pass_, beam_spread_pass_, beam_shift_pass_, spread_pass_, unscattered_pass_, level_pass_;
   gpu::Sampler linear_;
   gpu::Buffer grid_, fluxes_;
-  gpu::Image fluence_, near_[2], unscattered_, level_image_;
+  gpu::Image fluence_, shift_, spread_, near_[2], unscattered_, level_image_;
   std::optional<GatherLevels> levels_;
 };
 

@@ -40,17 +40,6 @@ void for_each_texel(glm::ivec3 nodes, double edge, glm::dvec3 position, glm::dve
   }
 }
 
-/// Half of each neighbour along one axis is added.
-void blur(glm::ivec3 nodes, int axis, std::vector<Sums>& sums) {
-  const std::vector<Sums> before = sums;
-  const std::size_t stride = axis == 0 ? 1 : axis == 1 ? nodes.x : std::size_t(nodes.x) * nodes.y;
-  for (std::size_t i = 0; i < sums.size(); ++i) {
-    const int place = static_cast<int>(i / stride % nodes[axis]);
-    if (place > 0) sums[i].add(0.5, before[i - stride]);
-    if (place + 1 < nodes[axis]) sums[i].add(0.5, before[i + stride]);
-  }
-}
-
 }  // namespace
 
 GatherLevels::GatherLevels(glm::ivec3 cells, float edge, const std::vector<GatherPlace>& places)
@@ -64,10 +53,9 @@ GatherLevels::GatherLevels(glm::ivec3 cells, float edge, const std::vector<Gathe
                    [&](std::size_t texel, double weight) { sums[texel].add(weight, here); });
   }
   mean_ = ratio(all);
-  for (int axis = 0; axis < 3; ++axis) blur(nodes_, axis, sums);
-  // One place's worth of the mean: where there is next to no light.
+  // A tenth of one place's worth of the mean: where there is next to no light.
   for (Sums& node : sums) {
-    node.add(1.0 / std::max<double>(double(places.size()), 1), all);
+    node.add(0.1 / std::max<double>(double(places.size()), 1), all);
     texels_.emplace_back(glm::vec4(ratio(node), 1));
   }
   Sums levelled;

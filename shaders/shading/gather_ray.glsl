@@ -1,5 +1,5 @@
 // What arrives at a point of the surface from inside, along one direction: the source sigma_s' (phi + phi_b) gathered along the
-// ray, phi_b with its closure, and at its far end what the surface there mirrors. Takes bindings 11, 12 and 16 to 29.
+// ray, both with their closure and phi_b also spread, and at its far end what the surface there mirrors. Takes bindings 11, 12 and 16 to 30.
 #include "domain/facet_class.glsl"
 #include "lighting/ray_tree.glsl"
 #include "shared/domain.h"
@@ -18,6 +18,7 @@ layout(binding = 26) uniform sampler3D field_down;
 layout(binding = 27) uniform sampler3D drive_up;      // the query's Gamma
 layout(binding = 28) uniform sampler3D drive_down;
 layout(binding = 29) uniform sampler3D unscattered;  // share of the beams' light that no surface has sent
+layout(binding = 30) uniform sampler3D beam_shift;   // of beam_shift.comp, W/m^2
 #define GRID grid
 #include "domain/way.glsl"
 #include "domain/way_end.glsl"
@@ -140,7 +141,9 @@ Gathered gather_along(vec3 from, vec3 normal, vec3 along, float follow) {
       const vec3 p = w.from + (w.at + length_ * loss_place(depth[c])) * along;
       const float beams = texture(beam_fluence, place_of(p))[c], scattered = lost[c] * s.albedo[c];
       sum.single[c] += own[c] * scattered * beams;
-      sum.all[c] += scattered * dot(closure_of(s.albedo[c]), vec2(field(p, side_at(p, w.cell, down))[c], beams));
+      const vec2 closure = closure_of(s.albedo[c]);
+      const float shift = texture(beam_shift, place_of(p))[c];  // single scattering stays where it is
+      sum.all[c] += scattered * (dot(closure, vec2(field(p, side_at(p, w.cell, down))[c], beams)) + (closure.y - 1) * shift);
     }
     left -= lost;
     const vec3 at_end = w.from + end * along;

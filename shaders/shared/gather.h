@@ -24,6 +24,8 @@ ALABASTER_BEGIN_SHARED
 // Entries of the closure's table, to this 1 - a' at most.
 #define GATHER_CLOSURES 17
 #define GATHER_MOST_ABSORBED 0.3
+// Of what spreads light that was just scattered: its length squared, in mean free paths (SP3's 9/35).
+#define GATHER_SPREAD (9.0f / 35.0f)
 // Entries of its table of the outside cosine.
 #define GATHER_EXITS 17
 
@@ -49,6 +51,18 @@ struct GatherFlux {
 // Some of the facets' sides: k * stride, k < count.
 struct GatherLevelPush {
   uint count, stride;
+};
+
+// Half a sweep.
+struct GatherSpreadPush {
+  float leak;        // T that leaves by the surface, GatherClosures::leak()
+  float relaxation;  // 1 to 2
+  int colour;        // 0 or 1
+};
+
+struct GatherShiftPush {
+  ivec3 cells;
+  float kept;  // GatherClosures::kept()
 };
 
 struct GatherPicturePush {

@@ -1,4 +1,5 @@
-// shading/gather_level.comp, gathered.comp and unscattered.comp against the gather in double precision: a torus of two
+// shading/gather_level.comp, gathered.comp, unscattered.comp and what spreads the beams' fluence (beam_fluence.comp,
+// beam_spread.comp, beam_shift.comp) against the gather in double precision: a torus of two
 // media under a lamp, whose rays end on far sides, are mirrored there or fade; other surfaces light one side of it.
 #include "shading/shading.h"
 #include "shared/exchange.h"
@@ -107,6 +108,105 @@ TEST_P(ShadingGather, UnscatteredIsTheLampsShare) {
   }
   EXPECT_GT(all_lamps, 1000);
   EXPECT_GT(part, 1000);
+}
+
+// In one place for all: fluence under the tent, without and with the skin; the second solved by Gauss and Seidel until
+// nothing moves, which the device's few sweeps come near.
+TEST_P(ShadingGather, BeamsAreSpreadAsByTheTwin) {
+  const Domain& domain = body.domain();
+  const glm::ivec3 n = domain.frame.cells;
+  const double h = domain.frame.h;
+  const auto seen = gpu::download<float>(context, beam.seen()), volume = gpu::download<float>(context, domain.volume),
+             kappa = gpu::download<float>(context, body.diffusion().kappa()),
+             absorption = gpu::download<float>(context, body.diffusion().absorption());
+  const auto near = gpu::download<glm::vec4>(context, beam.near());
+  const auto index = gpu::download<std::uint32_t>(context, domain.cut_index);
+  const std::vector<float> aperture[] = {gpu::download<float>(context, domain.aperture[0]),
+                                         gpu::download<float>(context, domain.aperture[1]),
+                                         gpu::download<float>(context, domain.aperture[2])};
+  const auto fluence = gpu::download<glm::vec4>(context, gather.fluence()),
+             shift = gpu::download<glm::vec4>(context, gather.shift());
+  const std::size_t cells = index.size();
+  const auto at = [&](glm::ivec3 c) { return c.x + std::size_t(n.x) * (c.y + std::size_t(n.y) * c.z); };
+  const auto in_grid = [&](glm::ivec3 c) { return glm::all(glm::lessThan(glm::uvec3(c), glm::uvec3(n))); };
+  const auto cell_of = [&](std::size_t i) { return glm::ivec3(i % n.x, i / n.x % n.y, i / (std::size_t(n.x) * n.y)); };
+  const GatherClosures closures(eta);
+  const double leak = closures.leak(), kept = closures.kept();
+  for (int channel = 0; channel < 3; ++channel) {
+    const double scale = body.diffusion().kappa_scale()[channel];
+    const auto path = [&](std::size_t i) { return 3 * kappa[channel * cells + i] * scale / h; };  // h
+    std::vector<double> beams(cells, 0), spread;
+    double brightest = 0;
+    for (std::size_t i = 0; i < cells; ++i) {
+      double watts[2] = {}, skin[2] = {}, scatters[2] = {}, size[2] = {};  // under the tent; the rest of 27 cells
+      for (int k = 0; k < 27; ++k) {
+        const glm::ivec3 d = glm::ivec3(k % 3, k / 3 % 3, k / 9) - 1;
+        if (!in_grid(cell_of(i) + d)) continue;
+        const std::size_t j = at(cell_of(i) + d);
+        const int away = std::abs(d.x) + std::abs(d.y) + std::abs(d.z);
+        const double tent = away == 0 ? 1 : away == 1 ? 0.1 : 0.01;
+        double skin_there = 0;
+        for (std::size_t s = 0; index[j] && s < 2; ++s)
+          skin_there += body.cut_cells()[index[j]].side[s].area * h * h * near[2 * index[j] + s][channel];
+        const double albedo = 1 - path(j) * absorption[channel * cells + j] * scale / h;
+        for (int around = 0; around < 2; ++around) {
+          const double weight = around ? 1 - tent : tent;
+          size[around] += weight * volume[j];
+          watts[around] += weight * seen[channel * cells + j];
+          skin[around] += weight * skin_there;
+          if (volume[j] > 0) scatters[around] += weight * volume[j] * albedo / path(j) * h * h;
+        }
+      }
+      const double wider = size[1] > 0 ? std::clamp((1 - size[0]) / size[1], 0.0, 1.0) : 0;
+      const double all = scatters[0] + wider * scatters[1], below = watts[0] + wider * watts[1];
+      if (all <= 0) continue;
+      ASSERT_NEAR(fluence[i][channel], below / all, 1e-4 * (below / all) + 1e-12) << i;
+      beams[i] = (below + skin[0] + wider * skin[1]) / all;
+      brightest = std::max(brightest, beams[i]);
+    }
+    spread = beams;
+    for (double moved = 1; moved > 1e-7 * brightest;) {
+      moved = 0;
+      for (std::size_t i = 0; i < cells; ++i) {
+        if (volume[i] <= 0) continue;
+        double gains = volume[i] / path(i) * beams[i], loses = volume[i] / path(i);
+        for (int k = 0; k < 6; ++k) {
+          glm::ivec3 other = cell_of(i);
+          other[k / 2] += 2 * (k % 2) - 1;
+          if (!in_grid(other) || volume[at(other)] <= 0) continue;
+          const double open = aperture[k / 2][at(glm::max(cell_of(i), other))],
+                       joined = open * 9 / 35 / (0.5 / path(i) + 0.5 / path(at(other)));
+          gains += joined * spread[at(other)];
+          loses += joined;
+        }
+        for (std::size_t s = 0; index[i] && s < 2; ++s) loses += leak * body.cut_cells()[index[i]].side[s].area;
+        moved = std::max(moved, std::abs(gains / loses - spread[i]));
+        spread[i] = gains / loses;
+      }
+    }
+    double apart = 0, largest = 0;
+    int outside = 0;
+    for (std::size_t i = 0; i < cells; ++i) {
+      double sum = spread[i], size = 1;
+      if (volume[i] <= 0) {
+        sum = size = 0;
+        for (int k = 0; k < 27; ++k) {
+          const glm::ivec3 c = cell_of(i) + glm::ivec3(k % 3, k / 3 % 3, k / 9) - 1;
+          if (!in_grid(c) || volume[at(c)] <= 0) continue;
+          sum += volume[at(c)] * spread[at(c)];
+          size += volume[at(c)];
+        }
+        if (size <= 0) continue;
+        ++outside;
+      }
+      const double exact = sum / size / kept - beams[i];
+      apart = std::max(apart, std::abs(shift[i][channel] - exact));
+      largest = std::max(largest, std::abs(exact));
+    }
+    EXPECT_GT(outside, 500);
+    EXPECT_GT(largest, 0.1 * brightest);
+    EXPECT_LT(apart, 0.02 * largest) << channel;
+  }
 }
 
 TEST_P(ShadingGather, LevelEqualsTwin) {

@@ -65,7 +65,11 @@ TEST_F(ShadingSpread, BeamFluenceEqualsTwin) {
     const gpu::Image power_image =
         gpu::image3d(context, {n.x / 4, n.y, n.z * channels}, VK_FORMAT_R32G32B32A32_SFLOAT, "power");
     gpu::upload(context, power_image, power);
-    const gpu::Image fluence = cell_image("fluence");
+    std::vector<glm::vec4> near(2 * body.cut_cells().size());
+    for (glm::vec4& light : near) light = glm::vec4(uniform(engine), uniform(engine), uniform(engine), 1);
+    const gpu::Buffer near_light = gpu::make_buffer(context, near, "near light");
+    const auto index = gpu::download<std::uint32_t>(context, domain.cut_index);
+    const gpu::Image fluence = cell_image("fluence"), shift = cell_image("shift"), spread = cell_image("spread");
     const gpu::Pass pass(context, "shading/beam_fluence.comp");
     gpu::Commands commands(context);
     commands.dispatch(pass, glm::uvec3(n),
@@ -75,13 +79,18 @@ TEST_F(ShadingSpread, BeamFluenceEqualsTwin) {
                        {"cut_cells", domain.cut_cells},
                        {"kappa", body.diffusion().kappa()},
                        {"absorption", body.diffusion().absorption()},
-                       {"fluence", fluence}});
+                       {"cut_index", domain.cut_index},
+                       {"near_light", near_light},
+                       {"fluence", fluence},
+                       {"shift", shift},
+                       {"spread", spread}});
     commands.submit();
-    const auto got = gpu::download<glm::vec4>(context, fluence);
+    const auto got = gpu::download<glm::vec4>(context, fluence), with_skin = gpu::download<glm::vec4>(context, shift);
+    EXPECT_EQ(gpu::download<glm::vec4>(context, spread), with_skin);
     double worst = 0, largest = 0;
     int widened = 0;
     each_cell([&](glm::ivec3 cell) {
-      glm::dvec3 watts(0), watts_around(0), scatters(0), scatters_around(0);
+      glm::dvec3 watts(0), watts_around(0), skin(0), skin_around(0), scatters(0), scatters_around(0);
       double size = 0, size_around = 0;
       for (int k = 0; k < 27; ++k) {
         const glm::ivec3 d = offset(k), c = cell + d;
@@ -95,18 +104,27 @@ TEST_F(ShadingSpread, BeamFluenceEqualsTwin) {
           watts[channel] += weight * there;
           watts_around[channel] += (1 - weight) * there;
           const double volume_scatters = volume[at(c)] * scattering(c)[std::min(channel, channels - 1)];
+          for (std::size_t s = 0; index[at(c)] != 0 && s < 2; ++s) {
+            const double area = body.cut_cells()[index[at(c)]].side[s].area * grid.h * grid.h;
+            const double kept = area * near[2 * index[at(c)] + s][std::min(channel, channels - 1)];
+            skin[channel] += weight * kept;
+            skin_around[channel] += (1 - weight) * kept;
+          }
           scatters[channel] += weight * volume_scatters;
           scatters_around[channel] += (1 - weight) * volume_scatters;
         }
       }
       const double wider = size_around > 0 ? std::clamp((1 - size) / size_around, 0.0, 1.0) : 0;
       watts += wider * watts_around;
+      skin += wider * skin_around;
       scatters += wider * scatters_around;
       widened += wider > 0;
       for (int channel = 0; channel < 3; ++channel) {
         const double exact = watts[channel] > 0 ? watts[channel] / (scatters[channel] * grid.h * grid.h) : 0;
         // Beside a sliver of volume 1e-6 h^3 the fluence is a quotient of small numbers.
         worst = std::max(worst, std::abs(got[at(cell)][channel] - exact) / std::max(exact, 1.0));
+        const double all = watts[channel] > 0 ? exact + skin[channel] / (scatters[channel] * grid.h * grid.h) : 0;
+        worst = std::max(worst, std::abs(with_skin[at(cell)][channel] - all) / std::max(all, 1.0));
         largest = std::max(largest, exact);
       }
     });

@@ -29,7 +29,8 @@ class GatherTwin {
         kappa_(gpu::download<float>(context, body.diffusion().kappa())),
         absorption_(gpu::download<float>(context, body.diffusion().absorption())),
         scale_(body.diffusion().kappa_scale()),
-        fluence_(gpu::download<glm::vec4>(context, gather.fluence())) {
+        fluence_(gpu::download<glm::vec4>(context, gather.fluence())),
+        shift_(gpu::download<glm::vec4>(context, gather.shift())) {
     for (const std::uint32_t texel : gpu::download<std::uint32_t>(context, gather.unscattered()))
       unscattered_.push_back(glm::unpackUnorm4x8(texel));
     for (int s = 0; s < 2; ++s) {
@@ -95,7 +96,8 @@ class GatherTwin {
           const GatherClosure closure = closure_of(s.albedo[c]);
           const double phi = std::max(0.0, sample(field_[nearer(p, cell, side)], p)[c]), beams = sample(fluence_, p)[c];
           sum.single[c] += lost * beams * sample(unscattered_, from + (at + 0.5 * length) * along)[c];
-          sum.all[c] += lost * (closure.diffuse * phi + closure.beams * beams);
+          sum.all[c] +=
+              lost * (closure.diffuse * phi + closure.beams * beams + (closure.beams - 1) * sample(shift_, p)[c]);
           left[c] *= std::exp(-depth);
         }
         const glm::dvec3 p = from + end * along;
@@ -222,7 +224,7 @@ class GatherTwin {
   const std::vector<std::uint32_t> cut_index_;
   const std::vector<float> volume_, kappa_, absorption_;
   const glm::dvec3 scale_;
-  const std::vector<glm::vec4> fluence_;
+  const std::vector<glm::vec4> fluence_, shift_;
   std::vector<glm::vec2> closures_;
   std::vector<float> exits_;
   std::vector<glm::vec4> unscattered_, near_[2], field_[2], drive_[2];

@@ -150,6 +150,51 @@ TEST(GatherClosure, WhiteHalfSpaceUnderABeamIsChandrasekhars) {
   EXPECT_GT(plain, 0.05);
 }
 
+// SP3's second equation with vacuum outside: phi_2 leaves as 21/40 of it.
+TEST(GatherClosure, LeakAtNoMirrorIsSP3s) {
+  EXPECT_NEAR(GatherClosures(1).leak(), 21.0 / 40, 1e-5);
+  EXPECT_LT(GatherClosures(1.3).leak(), 0.2);  // what is mirrored stays
+}
+
+/// T under a source e^(-k z), z in mean free paths, by finite differences down to depth 30.
+std::vector<double> spread_below(double k, double leak, double step, int points) {
+  const double joined = GATHER_SPREAD / (step * step);
+  std::vector<double> upper(points), value(points);  // Thomas's algorithm
+  for (int i = 0; i < points; ++i) {
+    const double above = i > 0 ? joined : 0, below = i + 1 < points ? joined : 0,
+                 surface = i > 0 ? 0 : 1 / (step / leak + step * step / (2 * GATHER_SPREAD));
+    const double own = 1 + above + below + surface - (i > 0 ? above * upper[i - 1] : 0);
+    upper[i] = below / own;
+    value[i] = (std::exp(-k * (i + 0.5) * step) + (i > 0 ? above * value[i - 1] : 0)) / own;
+  }
+  for (int i = points - 2; i >= 0; --i) value[i] += upper[i] * value[i + 1];
+  return value;
+}
+
+TEST(GatherClosure, KeptIsWhatAHalfSpaceSendsOfSpreadLight) {
+  const double step = 0.02;
+  const int points = 1500, cosines = 40;
+  for (double eta : {1.0, 1.3}) {
+    const GatherClosures closures(eta);
+    double spread = 0, beams = 0;
+    for (int i = 0; i < cosines; ++i) {
+      const double in = (i + 0.5) / cosines, k = 1 / refracted_cosine(in, eta);
+      const std::vector<double> below = spread_below(k, closures.leak(), step, points);
+      for (int o = 0; o < cosines; ++o) {
+        const double out = (o + 0.5) / cosines, view = refracted_cosine(out, eta);
+        const double weight =
+            in * fresnel_transmittance(in, eta) * out * fresnel_transmittance(out, eta) * k * closures.exit(out);
+        for (int p = 0; p < points; ++p) {
+          const double depth = (p + 0.5) * step, seen = std::exp(-depth / view) / view * step;
+          spread += weight * seen * below[p];
+          beams += weight * seen * std::exp(-k * depth);
+        }
+      }
+    }
+    EXPECT_NEAR(closures.kept(), spread / beams, 0.01) << eta;
+  }
+}
+
 TEST(GatherClosure, TableHoldsIt) {
   const GatherClosures closures(1.3);
   const std::vector<glm::vec2> table = closures.table();
@@ -164,6 +209,7 @@ TEST(GatherClosure, ExitsAreInTheirTable) {
   for (double eta : {0.4, 0.7, 1.0, 1.5, 3.0}) {
     const GatherClosures closures(eta);
     for (const glm::vec2& closure : closures.table()) EXPECT_TRUE(closure.x > 0 && closure.y > 0) << eta;
+    EXPECT_TRUE(closures.leak() > 0 && closures.kept() > 0.2 && closures.kept() < 1) << eta;
     const std::vector<float> exits = closures.exits();
     ASSERT_EQ(exits.size(), std::size_t(GATHER_EXITS));
     for (double cosine : {0.03, 0.1, 0.4, 0.9, 1.0}) {

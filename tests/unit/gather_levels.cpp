@@ -73,7 +73,11 @@ TEST(GatherLevels, LeaveFineDetailToTheGather) {
                      glm::vec3(0, 0, 1),
                      {glm::vec3((i % 60 / 2 + i / 60 / 2) % 2 ? 1.4f : 0.6f), glm::vec3(1)}});
   const GatherLevels levels({60, 60, 20}, 6, plane);
-  for (const GatherPlace& place : plane) ASSERT_NEAR(levels.at(place.position, place.normal).g, 1, 0.02);
+  for (const GatherPlace& place : plane) {
+    const glm::vec2 p(place.position);
+    const bool rim = std::min(p.x, p.y) < 6 || std::max(p.x, p.y) >= 54;  // the nodes there see half as many squares
+    ASSERT_NEAR(levels.at(place.position, place.normal).g, 1, rim ? 0.05 : 0.005);
+  }
 }
 
 // Nothing is known of a dark object, and of its dark parts what the rest says.
