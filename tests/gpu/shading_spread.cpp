@@ -68,7 +68,6 @@ TEST_F(ShadingSpread, BeamFluenceEqualsTwin) {
     std::vector<glm::vec4> near(2 * body.cut_cells().size());
     for (glm::vec4& light : near) light = glm::vec4(uniform(engine), uniform(engine), uniform(engine), 1);
     const gpu::Buffer near_light = gpu::make_buffer(context, near, "near light");
-    const auto index = gpu::download<std::uint32_t>(context, domain.cut_index);
     const gpu::Image fluence = cell_image("fluence"), shift = cell_image("shift"), spread = cell_image("spread");
     const gpu::Pass pass(context, "shading/beam_fluence.comp");
     gpu::Commands commands(context);
