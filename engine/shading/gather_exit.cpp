@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "shading/gather_closure.h"
 #include "shading/straight.h"
 
 namespace alabaster {
@@ -83,8 +82,7 @@ GatherExit::GatherExit(gpu::Context& context, const Domain& domain, const Diffus
       push_(push_of(2 * (domain.summary.cut_cells + 1))),
       places_(places_of(gpu::download<GpuCutCell>(context, domain.cut_cells), push_)),
       edge_(level_edge(context, domain, diffusion)),
-      leak_(GatherClosures(eta).leak()),
-      kept_(GatherClosures(eta).kept()),
+      closures_(eta),
       fluence_pass_(context, "shading/beam_fluence.comp"),
       beam_spread_pass_(context, "shading/beam_spread.comp"),
       beam_shift_pass_(context, "shading/beam_shift.comp"),
@@ -128,21 +126,22 @@ void GatherExit::spread_beams(gpu::Commands& commands) {
   const Sweeps sweeps = sweeps_for(3 * std::max({kappa.x, kappa.y, kappa.z}) / domain_.frame.h);
   const glm::ivec3 n = domain_.frame.cells;
   for (int half = 0; half < 2 * sweeps.count; ++half)
-    commands.dispatch(beam_spread_pass_, glm::uvec3((n.x + 1) / 2, n.y, n.z),
-                      {{"grid", grid_},
-                       {"volume", domain_.volume},
-                       {"kappa", diffusion_.kappa()},
-                       {"cut_index", domain_.cut_index},
-                       {"cut_cells", domain_.cut_cells},
-                       {"aperture_x", domain_.aperture[0]},
-                       {"aperture_y", domain_.aperture[1]},
-                       {"aperture_z", domain_.aperture[2]},
-                       {"beams", shift_},
-                       {"spread", spread_}},
-                      GatherSpreadPush{static_cast<float>(leak_), static_cast<float>(sweeps.relaxation), half % 2});
+    commands.dispatch(
+        beam_spread_pass_, glm::uvec3((n.x + 1) / 2, n.y, n.z),
+        {{"grid", grid_},
+         {"volume", domain_.volume},
+         {"kappa", diffusion_.kappa()},
+         {"cut_index", domain_.cut_index},
+         {"cut_cells", domain_.cut_cells},
+         {"aperture_x", domain_.aperture[0]},
+         {"aperture_y", domain_.aperture[1]},
+         {"aperture_z", domain_.aperture[2]},
+         {"beams", shift_},
+         {"spread", spread_}},
+        GatherSpreadPush{static_cast<float>(closures_.leak()), static_cast<float>(sweeps.relaxation), half % 2});
   commands.dispatch(beam_shift_pass_, glm::uvec3(n),
                     {{"volume", domain_.volume}, {"spread", spread_}, {"shift", shift_}},
-                    GatherShiftPush{n, static_cast<float>(kept_)});
+                    GatherShiftPush{n, static_cast<float>(closures_.kept())});
 }
 
 void GatherExit::update() {

@@ -8,6 +8,7 @@
 #include "diffusion/diffusion.h"
 #include "lighting/beam_source.h"
 #include "lighting/ray_tree.h"
+#include "shading/gather_closure.h"
 #include "shading/gather_levels.h"
 #include "shared/gather.h"
 
@@ -27,9 +28,9 @@ class GatherExit {
   /// phi_b of what beams scatter below the facets' skin, W/m^2; what they scatter in it, of side 0 or 1, W/m^2, and its
   /// mean cosine; GatherFlux of the sides k * stride().
   const gpu::Image& fluence() const { return fluence_; }
-  /// Of both kinds of scattered light what spreading it adds (shaders/shading/beam_shift.comp), W/m^2.
-  const gpu::Image& shift() const { return shift_; }
   const gpu::Image& near(int side) const { return near_[side]; }
+  /// What spreading both adds to the fluence (shaders/shading/beam_shift.comp), W/m^2.
+  const gpu::Image& shift() const { return shift_; }
   /// Of both, per channel, the share that no surface has sent (1: all): what of them is single scattering.
   const gpu::Image& unscattered() const { return unscattered_; }
   const gpu::Buffer& fluxes() const { return fluxes_; }
@@ -50,7 +51,7 @@ class GatherExit {
   GatherLevelPush push_;
   std::vector<GatherPlace> places_;  // those asked
   float edge_;                       // of the levels, cells
-  double leak_, kept_;               // GatherClosures
+  GatherClosures closures_;
   gpu::Pass fluence_pass_, beam_spread_pass_, beam_shift_pass_, spread_pass_, unscattered_pass_, level_pass_;
   gpu::Sampler linear_;
   gpu::Buffer grid_, fluxes_;

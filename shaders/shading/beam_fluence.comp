@@ -1,6 +1,7 @@
-// Fluence of the beams in the cells, without and with what they scatter in the facets' skin: power and sigma_s' times volume each under a tent of two cells,
-// so that the pattern of the beams does not show, and neither does what scatters more leak into what scatters less. Where the tent
-// holds less than a cell of the object, which a beam meets by chance, as much of the cells around is taken in as makes it one.
+// Fluence of the beams in the cells, without and with what they scatter in the facets' skin: power and sigma_s' times volume each
+// under a tent of two cells, so that the pattern of the beams does not show, and neither does what scatters more leak into what
+// scatters less. Where the tent holds less than a cell of the object, which a beam meets by chance, as much of the cells around is
+// taken in as makes it one.
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
