@@ -42,7 +42,8 @@ void relax(ivec3 cell, float volume_here) {
     ivec3 other = cell;
     other[axis] += 2 * (n & 1) - 1;
     const vec3 path_there = path_at(other);
-    const vec3 joined = aperture(axis, min(max(cell, other), grid.cells - 1)) * GATHER_SPREAD * 2 * path * path_there / max(path + path_there, vec3(1e-30));
+    const float open = aperture(axis, min(max(cell, other), grid.cells - 1));  // beyond the grid path_there is 0
+    const vec3 joined = open * GATHER_SPREAD * 2 * path * path_there / max(path + path_there, vec3(1e-30));
     for (int once = joined != vec3(0) ? 1 : 0; once > 0; --once) gains += joined * imageLoad(spread, other).rgb;
     loses += joined;
   }

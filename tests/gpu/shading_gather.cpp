@@ -205,7 +205,7 @@ TEST_P(ShadingGather, BeamsAreSpreadAsByTheTwin) {
     }
     EXPECT_GT(outside, 500);
     EXPECT_GT(largest, 0.1 * brightest);
-    EXPECT_LT(apart, 0.02 * largest) << channel;
+    EXPECT_LT(apart, 1e-3 * largest) << channel;
   }
 }
 
