@@ -8,20 +8,29 @@
 
 namespace alabaster {
 
-Deflation::Deflation(gpu::Context& context, const gpu::Image& stencil, glm::ivec3 cells, int channels) {
+Deflation::Deflation(gpu::Context& context, const gpu::Image& stencil, glm::ivec3 cells,
+                     const std::vector<Roughness>& media) {
+  const int channels = static_cast<int>(media.size());
   std::vector<Islands> found(channels);
-  {
+  for (const Roughness& medium : media) {
+    noise_ = std::max(noise_, noise_share(medium));
+    rough_ = rough_ || is_rough(medium);
+  }
+  if (std::any_of(media.begin(), media.end(), may_have_islands)) {
     const gpu::Buffer copy = gpu::host_copy(context, stencil);
     const std::size_t each = copy.bytes() / sizeof(float) / channels;
     const float* all = static_cast<const float*>(copy.mapped());
-    tbb::parallel_for(0, channels, [&](int c) { found[c] = find_islands(cells, std::span(all + c * each, each)); });
+    tbb::parallel_for(0, channels, [&](int c) {
+      if (may_have_islands(media[c]))
+        found[c] = find_islands(cells, std::span(all + c * each, each));
+      else
+        found[c].labels.assign(std::size_t(cells.x) * cells.y * cells.z, 0);
+    });
   }
   std::vector<std::uint32_t> labels, entries;
   std::vector<IslandPiece> pieces;
   std::vector<IslandPieces> islands;
   for (int c = 0; c < channels; ++c) {
-    noise_ = std::max(noise_, found[c].noise);
-    rough_ = rough_ || found[c].rough;
     const auto before = static_cast<std::uint32_t>(entries.size()), first = static_cast<std::uint32_t>(islands.size());
     for (std::uint32_t& label : found[c].labels) label += label > 0 ? first : 0;
     labels.insert(labels.end(), found[c].labels.begin(), found[c].labels.end());

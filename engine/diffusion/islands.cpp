@@ -12,9 +12,7 @@ namespace alabaster {
 namespace {
 
 constexpr float strong = 0.01f;       // of the larger diagonal: a face that conducts more than this joins two cells
-constexpr float jump = 30;            // between two faces of a cell
-constexpr float magnitude = 8;        // factor between two magnitudes of faces
-constexpr double rough_share = 0.01;  // of the cells within, that have such faces, in a rough medium
+constexpr double rough_share = 0.01;  // of the cells within, that lie at a jump, in a rough medium
 constexpr double isolated = 0.1;  // of an island's largest diagonal: what leaves it, a boundary face, is at most this
 
 struct Grid {
@@ -93,55 +91,61 @@ bool three_magnitudes(const std::array<float, 6>& faces) {
   int magnitudes = 1;
   float last = faces.front();
   for (const float face : faces)
-    if (face > magnitude * last) ++magnitudes, last = face;
+    if (face > DIFFUSION_MAGNITUDE * last) ++magnitudes, last = face;
   return magnitudes >= 3;
 }
 
-struct Roughness {
-  std::ptrdiff_t active = 0;  // cells
-  // Cells with six faces: the surface cuts faces down to nothing in any medium.
-  std::ptrdiff_t within = 0, jumps = 0, noisy = 0;
-  // Those whose neighbours have six as well: no face of theirs is cut.
-  std::ptrdiff_t deep = 0, deep_jumps = 0;
-  // Few deep cells are a thin object's: there all that are within have to say.
-  bool is_rough() const {
-    return 2 * deep > within ? double(deep_jumps) > rough_share * double(deep)
-                             : double(jumps) > rough_share * double(within);
-  }
-};
-
-Roughness operator+(const Roughness& a, const Roughness& b) {
-  return {a.active + b.active, a.within + b.within, a.jumps + b.jumps,
-          a.noisy + b.noisy,   a.deep + b.deep,     a.deep_jumps + b.deep_jumps};
+Roughness both(const Roughness& a, const Roughness& b) {
+  return {a.all + b.all,     a.within + b.within, a.jumps + b.jumps,
+          a.noisy + b.noisy, a.deep + b.deep,     a.deep_jumps + b.deep_jumps};
 }
 
-/// Also the diagonal of every cell.
-Roughness roughness(const Grid& grid, std::vector<float>& diagonal) {
-  const auto cells = [&](const tbb::blocked_range<int>& range, Roughness sum) {
+float diagonal_of(const Grid& grid, int i) {
+  float sum = grid.at(DIFFUSION_REACTION, i);
+  for (int side = 0; side < 6; ++side) sum += grid.face(side, i);
+  return sum;
+}
+
+// Few deep cells are a thin object's: there all that are within have to say.
+bool deep_enough(const Roughness& r) { return 2 * r.deep > r.within; }
+
+}  // namespace
+
+Roughness roughness(glm::ivec3 n, std::span<const float> stencil) {
+  const Grid grid(n, stencil);
+  const auto cells = [&](const tbb::blocked_range<int>& range, Roughness found) {
     for (int i = range.begin(); i < range.end(); ++i) {
-      diagonal[i] = grid.at(DIFFUSION_REACTION, i);
+      found.all += diagonal_of(grid, i) > 0;
       std::array<float, 6> faces;
-      for (int side = 0; side < 6; ++side) diagonal[i] += faces[side] = grid.face(side, i);
-      sum.active += diagonal[i] > 0;
+      for (int side = 0; side < 6; ++side) faces[side] = grid.face(side, i);
       const auto [least, most] = std::minmax_element(faces.begin(), faces.end());
       if (*least <= 0) continue;
-      ++sum.within;
+      ++found.within;
       bool deep = true;
       for (int side = 0; side < 6; ++side)
         for (int face = 0; face < 6; ++face) deep = deep && grid.face(face, grid.beyond(side, i)) > 0;
-      sum.deep += deep;
-      if (*most <= jump * *least) continue;
-      ++sum.jumps;
-      sum.deep_jumps += deep;
+      found.deep += deep;
+      if (*most <= DIFFUSION_JUMP * *least) continue;
+      ++found.jumps;
+      found.deep_jumps += deep;
       std::sort(faces.begin(), faces.end());
-      sum.noisy += three_magnitudes(faces);
+      found.noisy += three_magnitudes(faces);
     }
-    return sum;
+    return found;
   };
-  return tbb::parallel_reduce(tbb::blocked_range<int>(0, grid.cells(), 1 << 14), Roughness{}, cells, std::plus<>());
+  return tbb::parallel_reduce(tbb::blocked_range<int>(0, grid.cells(), 1 << 14), Roughness{}, cells, both);
 }
 
-}  // namespace
+bool is_rough(const Roughness& r) {
+  return deep_enough(r) ? r.deep_jumps > rough_share * r.deep : r.jumps > rough_share * r.within;
+}
+
+double noise_share(const Roughness& r) { return r.within > 0 ? double(r.noisy) / r.within : 0.0; }
+
+bool may_have_islands(const Roughness& r) {
+  if (2 * r.within <= r.all) return true;
+  return deep_enough(r) ? r.deep_jumps > 0 : r.jumps > 0;
+}
 
 Islands find_islands(glm::ivec3 n, std::span<const float> stencil) {
   Islands islands;
@@ -149,10 +153,8 @@ Islands find_islands(glm::ivec3 n, std::span<const float> stencil) {
   if (std::max({n.x, n.y, n.z}) > DIFFUSION_ISLAND_CELLS) return islands;
   const Grid grid(n, stencil);
   std::vector<float> diagonal(grid.cells());
-  const Roughness all = roughness(grid, diagonal);
-  islands.rough = all.is_rough();
-  islands.noise = all.within > 0 ? double(all.noisy) / double(all.within) : 0.0;
-  if (all.jumps == 0 && 2 * all.within > all.active) return islands;  // only a medium's jumps make islands
+  tbb::parallel_for(0, grid.cells(), [&](int i) { diagonal[i] = diagonal_of(grid, i); });
+  const auto active = std::count_if(diagonal.begin(), diagonal.end(), [](float d) { return d > 0; });
   std::vector<int> number;
   std::vector<Component> list = components(grid, diagonal, number);
   const auto leaves = [&](int i, int side) {
@@ -162,7 +164,7 @@ Islands find_islands(glm::ivec3 n, std::span<const float> stencil) {
   for (std::size_t k = 0; k < list.size(); ++k) {
     Component& c = list[k];
     // Single cells are the smoother's, most of the object is the coarse grids'.
-    if (c.cells.size() < 2 || 2 * std::ptrdiff_t(c.cells.size()) > all.active) continue;
+    if (c.cells.size() < 2 || 2 * std::ptrdiff_t(c.cells.size()) > active) continue;
     for (int i : c.cells) {
       c.reaction += grid.at(DIFFUSION_REACTION, i);
       c.largest = std::max(c.largest, double(diagonal[i]));

@@ -26,9 +26,19 @@ struct Islands {
   std::vector<std::uint32_t> labels;   // of every cell, x fastest: 0, or 1 + its island's number
   std::vector<IslandSpan> spans;       // of each island in `entries`; spans.size() of them
   std::vector<std::uint32_t> entries;  // packed cells and faces: DIFFUSION_ISLAND_CELL in shared/diffusion.h
-  double noise = 0;    // share of the cells within that lie between faces of three magnitudes: noise at cell scale
-  bool rough = false;  // the medium jumps from cell to cell in many places: it wants more smoothing (smoothing.h)
 };
+
+/// How rough a channel's medium is; the twin of rough.comp. `stencil` as below.
+Roughness roughness(glm::ivec3 n, std::span<const float> stencil);
+
+/// The medium jumps from cell to cell in many places: it wants more smoothing (smoothing.h).
+bool is_rough(const Roughness& r);
+
+/// Share of the cells within that lie between faces of three magnitudes: noise at cell scale.
+double noise_share(const Roughness& r);
+
+/// Only a medium's jumps make islands; where few cells have six faces, what is cut off by the surface does, too.
+bool may_have_islands(const Roughness& r);
 
 /// `stencil`: rows of DIFFUSION_FINEST_ENTRIES * n.x values, as the device holds one channel; n.x a multiple of 4.
 /// Grids of more than DIFFUSION_ISLAND_CELLS cells along an axis have none.

@@ -14,6 +14,7 @@ DiffusionPasses::DiffusionPasses(gpu::Context& c)
     : diagonals{{c, "diffusion/diagonals.comp", {0}}, {c, "diffusion/diagonals.comp", {1}}},
       pack{c, "diffusion/pack.comp", {1}},
       drift{c, "diffusion/drift.comp", {1}},
+      rough{c, "diffusion/rough.comp", {1}},
       weights{{c, "diffusion/weights.comp", {0}}, {c, "diffusion/weights.comp", {1}}},
       deficits{{c, "diffusion/deficits.comp", {0}}, {c, "diffusion/deficits.comp", {1}}},
       galerkin{{c, "diffusion/galerkin.comp", {0}}, {c, "diffusion/galerkin.comp", {1}}},
@@ -99,6 +100,7 @@ Multigrid::Multigrid(gpu::Context& context, const DiffusionPasses& passes, glm::
   pairs_ = packed_image(context, levels_[0].cells, channels, DIFFUSION_PAIRS, "pairs", VK_FORMAT_R32G32B32A32_UINT);
   const MultigridLevel& coarsest = levels_.back();
   const std::size_t padded = std::size_t(4) * coarsest.texels_x() * coarsest.cells.y * coarsest.cells.z;
+  roughness_ = gpu::Buffer(context, channels * sizeof(Roughness), "diffusion roughness", gpu::Memory::host);
   inverse_ = gpu::Buffer(context, channels * padded * padded * sizeof(float), "diffusion coarsest inverse");
 }
 
@@ -119,6 +121,7 @@ void Multigrid::release() {
   pairs_ = {};
   kept_ = {};
   inverse_ = {};
+  roughness_ = {};
   deflation_ = {};
 }
 
@@ -139,6 +142,12 @@ void Multigrid::record_finest(gpu::Commands& commands) {
                      {"inverse_l1", level.inverse_l1},
                      {"pairs", pairs_}},
                     push(0));
+}
+
+void Multigrid::record_roughness(gpu::Commands& commands) {
+  commands.fill(roughness_);
+  commands.dispatch(passes_.rough, column_threads(),
+                    {{"bricks", columns_.packed}, {"stencil", finest().stencil}, {"counts", roughness_}}, push(0));
 }
 
 double Multigrid::drift() {
@@ -167,9 +176,10 @@ void Multigrid::set_up() {
     const auto scope = commands.time("diffusion hierarchy");
     const bool finest = l == 0;
     MultigridLevel& level = levels_[l];
-    if (finest)
+    if (finest) {
       record_finest(commands);
-    else
+      record_roughness(commands);
+    } else
       commands.dispatch(passes_.diagonals[0], threads(l),
                         {{"bricks", level.bricks.packed},
                          {"stencil", level.stencil},
@@ -201,7 +211,7 @@ void Multigrid::set_up() {
   }
   commands.submit();
   invert_coarsest();
-  deflation_ = Deflation(context_, finest().stencil, finest().cells, channels_);
+  deflation_ = Deflation(context_, finest().stencil, finest().cells, gpu::download<Roughness>(context_, roughness_));
   const Smoothing& smoothing = deflation_.rough() ? options_.rough : options_.even;
   omegas_ = chebyshev_omegas(smoothing.sweeps, smoothing.lowest);
   visits_ = chebyshev_omegas(levels_.size() > 2 ? smoothing.visits : 1, options_.visited);

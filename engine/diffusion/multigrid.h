@@ -16,7 +16,7 @@ namespace alabaster {
 /// The solver's pipelines, made once a context.
 struct DiffusionPasses {
   explicit DiffusionPasses(gpu::Context& context);
-  gpu::Pass diagonals[2], pack, drift, weights[2], deficits[2], galerkin[2];  // [finest]
+  gpu::Pass diagonals[2], pack, drift, rough, weights[2], deficits[2], galerkin[2];  // [finest]
   gpu::Pass smooth[2], smooth_dot, defect[2], residual[2], restrict_residual, prolong, direct, renew, combine;
   gpu::Pass apply_dot, norm, update, start, direction[2], reduce;  // direction[deflated]
   gpu::Pass project, blend;                                        // history.h
@@ -84,6 +84,7 @@ class Multigrid {
                      const gpu::Image& to, const gpu::Buffer& partials);
   LevelPush push(std::size_t l, float omega = 0, float step = 0) const;
   void record_finest(gpu::Commands& commands);
+  void record_roughness(gpu::Commands& commands);
   double drift();
   void record_row_sums(gpu::Commands& commands, std::size_t l);
   void invert_coarsest();
@@ -97,7 +98,7 @@ class Multigrid {
   std::vector<MultigridLevel> levels_;
   BrickList columns_;
   gpu::Image pairs_;  // the finest stencil for the cycle: DIFFUSION_PAIRS along x
-  gpu::Buffer inverse_;
+  gpu::Buffer inverse_, roughness_;
   Deflation deflation_;
   int generation_ = 0;
   double drifted_ = 1;  // at most, from the finest stencil that the coarse levels were made of

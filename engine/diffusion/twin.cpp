@@ -160,7 +160,7 @@ std::vector<double> chebyshev_omegas(int steps, double lowest) {
 }
 
 Multigrid::Multigrid(Operator finest, CycleOptions options) : options_(options) {
-  const Smoothing& smoothing = islands_of(finest).rough ? options.rough : options.even;
+  const Smoothing& smoothing = is_rough(roughness(finest.grid.n, stencil_of(finest))) ? options.rough : options.even;
   levels_.push_back({std::move(finest), {}, {}, {}, {}, {}});
   while (true) {
     glm::ivec3 n = levels_.back().a.grid.n;
@@ -264,7 +264,7 @@ double dot(const Vector& a, const Vector& b) {
       std::plus<double>());
 }
 
-Islands islands_of(const Operator& a) {
+std::vector<float> stencil_of(const Operator& a) {
   const glm::ivec3 n = a.grid.n;
   std::vector<float> stencil(std::size_t(DIFFUSION_FINEST_ENTRIES) * n.x * n.y * n.z);
   for_cells(a.grid, [&](glm::ivec3 c, std::ptrdiff_t i) {
@@ -280,11 +280,13 @@ Islands islands_of(const Operator& a) {
     }
     entry_at(DIFFUSION_REACTION) = static_cast<float>(reaction);
   });
-  return find_islands(n, stencil);
+  return stencil;
 }
 
 Deflation::Deflation(const Operator& a) {
-  const Islands found = islands_of(a);
+  const std::vector<float> stencil = stencil_of(a);
+  if (!may_have_islands(roughness(a.grid.n, stencil))) return;
+  const Islands found = find_islands(a.grid.n, stencil);
   Vector one(a.grid.size(), 0.0);  // 1 on the island at hand
   for (const IslandSpan& span : found.spans) {
     Island island;

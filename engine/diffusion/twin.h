@@ -99,8 +99,8 @@ class Multigrid {
 /// The factors of x += omega D^-1 (b - A x) that make `steps` steps the Chebyshev iteration of [lowest, 1].
 std::vector<double> chebyshev_omegas(int steps, double lowest);
 
-/// The islands of a seven-point operator, and how rough it is.
-Islands islands_of(const Operator& a);
+/// A seven-point operator as the device holds it (shared/diffusion.h), in single precision.
+std::vector<float> stencil_of(const Operator& a);
 
 /// The islands of a seven-point operator (islands.h): Z E^-1 Z^T, E = Z^T A Z.
 class Deflation {

@@ -17,17 +17,6 @@ Star star_of_x(ivec3 t, Layers z) {
               imageLoad(x, t - step_y), imageLoad(x, t + step_y), z.below, z.above);
 }
 
-// The finest stencil at a texel; whoever walks up a column takes face_above on as face_below.
-struct Faces {
-  vec4 left, right, down, up, below, above, reaction;
-};
-
-Faces faces_of(ivec3 t, vec4 below) {
-  vec4 left = coefficient(0, t);
-  return Faces(left, shifted_right(left, coefficient(0, t + step_x)), coefficient(1, t), coefficient(1, t + step_y),
-               below, coefficient(2, t + step_z), coefficient(DIFFUSION_REACTION, t));
-}
-
 vec4 apply_to(Star s, Faces f) {
   vec4 y = f.reaction * s.own + f.left * (s.own - s.left) + f.right * (s.own - s.right);
   y += f.down * (s.own - s.down) + f.up * (s.own - s.up);

@@ -11,6 +11,17 @@ vec4 coefficient_right(int entry, ivec3 t) {
   return float(t.x + 1 < texels(push.cells.x)) * coefficient(entry, t + step_x);
 }
 
+// The finest stencil at a texel; whoever walks up a column takes face_above on as face_below.
+struct Faces {
+  vec4 left, right, down, up, below, above, reaction;
+};
+
+Faces faces_of(ivec3 t, vec4 below) {
+  vec4 left = coefficient(0, t);
+  return Faces(left, shifted_right(left, coefficient(0, t + step_x)), coefficient(1, t), coefficient(1, t + step_y),
+               below, coefficient(2, t + step_z), coefficient(DIFFUSION_REACTION, t));
+}
+
 // -A(i, i + offset(n)) for n = 0..26 but 13; on the finest level for axes.
 vec4 conductance(int n, ivec3 t) {
   ivec3 d = offset(n);

@@ -35,6 +35,10 @@
 #define DIFFUSION_ISLAND_CELLS 512
 #define DIFFUSION_ISLAND_CELL 6
 #define DIFFUSION_ISLAND_PIECE 4096
+// How rough a medium is (rough.comp): a cell lies at a jump where one of its faces conducts so many times another, and
+// in noise where they are of three magnitudes, each so many times the one before.
+#define DIFFUSION_JUMP 30.0f
+#define DIFFUSION_MAGNITUDE 8.0f
 
 // Work goes by bricks of 2 x 4 x 1 texels, so 8 x 4 x 1 cells: x | y << 10 | z << 20, counted in bricks. Lists of them
 // fill whole workgroups: DIFFUSION_NO_BRICK lies beyond every grid.
@@ -113,6 +117,14 @@ struct CgScalars {
   float xx;            // |x|^2
   int iterations;
   int done;            // 1: converged, 2: broken down (p . A p <= 0 or not finite)
+};
+
+// Cells of one channel, counted. The surface cuts faces down to nothing in any medium: cells within have six faces, and
+// deep ones neighbours that have six as well, so that no face of theirs is cut.
+struct Roughness {
+  uint all;
+  uint within, jumps, noisy;
+  uint deep, deep_jumps;
 };
 
 // A part of an island, from entry `begin` to before `end`.

@@ -76,7 +76,7 @@ TEST_F(GpuDiffusionIslands, OfMoreThanALoopMayCount) {
   });
 
   const DiffusionPasses passes(context);
-  const Deflation deflation(context, stencil, cells, 1);
+  const Deflation deflation(context, stencil, cells, {roughness(cells, layers.stencil)});
   gpu::Commands commands(context);
   commands.dispatch(passes.islands[0], {8 * deflation.pieces(), 1, 1},
                     {{"pieces", deflation.piece_list()},
@@ -94,6 +94,49 @@ TEST_F(GpuDiffusionIslands, OfMoreThanALoopMayCount) {
   ASSERT_EQ(deflation.count(), islands.spans.size());
   for (std::size_t k = 1; k < expected.size(); ++k)
     EXPECT_NEAR(lifts[k], expected[k], 1e-4 * std::abs(expected[k])) << k;
+}
+
+// Blocks of two media in a ball; in half of it noise as well, so that each of the counts has something to count.
+TEST_F(GpuDiffusionIslands, RoughnessEqualsTwin) {
+  const auto blocks = [](glm::dvec3 p) {
+    const bool dense = int(std::floor(p.x / 0.13) + std::floor(p.y / 0.13) + std::floor(p.z / 0.13)) & 1;
+    return MediumPoint{dense ? glm::dvec3(2e3, 300, 30) : glm::dvec3(15), glm::dvec3(0)};
+  };
+  Body body(context, icosphere(3, 0.4f), 40, blocks, 3);
+  Multigrid& multigrid = body.diffusion().multigrid();
+  const gpu::Image& stencil = multigrid.finest().stencil;
+  const glm::ivec3 n = multigrid.finest().cells;
+  std::vector<float> values = gpu::download<float>(context, stencil);
+  std::mt19937 engine(7);
+  std::uniform_real_distribution<float> magnitude(-2, 2);
+  for (std::size_t i = 0; i < values.size(); ++i)
+    if (i % n.x < std::size_t(n.x / 2)) values[i] *= std::pow(10.f, magnitude(engine));
+  gpu::upload(context, stencil, values);
+
+  const DiffusionPasses passes(context);
+  const gpu::Buffer counts = gpu::make_buffer(context, std::vector<Roughness>(3), "counts");
+  gpu::Commands commands(context);
+  commands.dispatch(passes.rough, multigrid.column_threads(),
+                    {{"bricks", multigrid.columns().packed}, {"stencil", stencil}, {"counts", counts}},
+                    LevelPush{n, n});
+  commands.submit();
+  const std::vector<Roughness> found = gpu::download<Roughness>(context, counts);
+  for (std::size_t c = 0; c < 3; ++c) {
+    SCOPED_TRACE(c);
+    const std::size_t each = values.size() / 3;
+    const Roughness wanted = roughness(n, std::span(values).subspan(c * each, each));
+    EXPECT_EQ(found[c].all, wanted.all);
+    EXPECT_EQ(found[c].within, wanted.within);
+    EXPECT_EQ(found[c].jumps, wanted.jumps);
+    EXPECT_EQ(found[c].noisy, wanted.noisy);
+    EXPECT_EQ(found[c].deep, wanted.deep);
+    EXPECT_EQ(found[c].deep_jumps, wanted.deep_jumps);
+    EXPECT_GT(wanted.all, wanted.within);
+    EXPECT_GT(wanted.within, wanted.deep);
+    EXPECT_GT(wanted.jumps, wanted.noisy);
+    EXPECT_GT(wanted.jumps, wanted.deep_jumps);
+    EXPECT_GT(std::min({wanted.noisy, wanted.deep, wanted.deep_jumps}), 1000u);
+  }
 }
 
 // The surface cuts faces to nothing beside whole ones, in more than one cell in a hundred: that is no medium that
