@@ -25,8 +25,6 @@ DiffusionPasses::DiffusionPasses(gpu::Context& c)
       restrict_residual{c, "diffusion/restrict.comp"},
       prolong{c, "diffusion/prolong.comp"},
       direct{c, "diffusion/direct.comp"},
-      renew{c, "diffusion/renew.comp"},
-      combine{c, "diffusion/combine.comp"},
       apply_dot{c, "diffusion/apply_dot.comp", {1}},
       norm{c, "diffusion/norm.comp", {1}},
       update{c, "diffusion/update.comp", {1}},
@@ -107,8 +105,8 @@ Multigrid::Multigrid(gpu::Context& context, const DiffusionPasses& passes, glm::
 glm::uvec3 Multigrid::threads(std::size_t l) const { return {levels_[l].bricks.count * 8, channels_, 1}; }
 glm::uvec3 Multigrid::column_threads() const { return {columns_.count * 8, channels_, 1}; }
 
-LevelPush Multigrid::push(std::size_t l, float omega, float step) const {
-  return {levels_[l].cells, levels_[std::min(l + 1, levels_.size() - 1)].cells, omega, step};
+LevelPush Multigrid::push(std::size_t l, float omega) const {
+  return {levels_[l].cells, levels_[std::min(l + 1, levels_.size() - 1)].cells, omega};
 }
 
 void Multigrid::release() {
@@ -119,7 +117,6 @@ void Multigrid::release() {
     level = std::move(rest);
   }
   pairs_ = {};
-  kept_ = {};
   inverse_ = {};
   roughness_ = {};
   deflation_ = {};
@@ -214,8 +211,6 @@ void Multigrid::set_up() {
   deflation_ = Deflation(context_, finest().stencil, finest().cells, gpu::download<Roughness>(context_, roughness_));
   const Smoothing& smoothing = deflation_.rough() ? options_.rough : options_.even;
   omegas_ = chebyshev_omegas(smoothing.sweeps, smoothing.lowest);
-  visits_ = chebyshev_omegas(levels_.size() > 2 ? smoothing.visits : 1, options_.visited);
-  if (visits_.size() > 1 && !kept_) kept_ = packed_image(context_, levels_[1].cells, channels_, 1, "vector");
   drifted_ = 1;
   ++generation_;
 }
@@ -310,31 +305,8 @@ const gpu::Image& Multigrid::record_level(gpu::Commands& commands, std::size_t l
                       {{"inverse", inverse_}, {"b", level.b}, {"x", level.x}}, push(l));
     return level.x;
   }
-  const gpu::Image& first = record_visit(commands, l, level.x, level.spare, partials);
-  if (l != 1 || visits_.size() == 1) return first;
-  const gpu::Image& other = &first == &level.x ? level.spare : level.x;
-  commands.dispatch(passes_.renew, threads(l),  // kept = step x, b -= A kept, and the first smoothing step for that b
-                    {{"bricks", level.bricks.packed},
-                     {"stencil", level.stencil},
-                     {"inverse_l1", level.inverse_l1},
-                     {"pairs", pairs_},
-                     {"x", first},
-                     {"b", level.b},
-                     {"smoothed", other},
-                     {"kept", kept_}},
-                    push(l, omegas_.front(), visits_[0]));
-  const gpu::Image& second = record_visit(commands, l, other, first, partials);
-  commands.dispatch(passes_.combine, threads(l),  // x = kept + step x
-                    {{"bricks", level.bricks.packed}, {"kept", kept_}, {"x", second}}, push(l, 0, visits_[1]));
-  return second;
-}
-
-// One V-cycle from level l; `start` holds the first smoothing step of b.
-const gpu::Image& Multigrid::record_visit(gpu::Commands& commands, std::size_t l, const gpu::Image& start,
-                                          const gpu::Image& other, const gpu::Buffer& partials) {
-  const MultigridLevel& level = levels_[l];
   const bool finest = l == 0;
-  const gpu::Image *x = &start, *spare = &other;
+  const gpu::Image *x = &level.x, *spare = &level.spare;  // x: the first smoothing step of b
   auto smooth = [&](const gpu::Pass& pass, float omega) {  // x += omega D^-1 (b - A x)
     record_smooth(commands, l, pass, omega, *x, *spare, partials);
     std::swap(x, spare);

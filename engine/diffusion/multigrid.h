@@ -17,7 +17,7 @@ namespace alabaster {
 struct DiffusionPasses {
   explicit DiffusionPasses(gpu::Context& context);
   gpu::Pass diagonals[2], pack, drift, rough, weights[2], deficits[2], galerkin[2];  // [finest]
-  gpu::Pass smooth[2], smooth_dot, defect[2], residual[2], restrict_residual, prolong, direct, renew, combine;
+  gpu::Pass smooth[2], smooth_dot, defect[2], residual[2], restrict_residual, prolong, direct;
   gpu::Pass apply_dot, norm, update, start, direction[2], reduce;  // direction[deflated]
   gpu::Pass project, blend;                                        // history.h
   gpu::Pass islands[2], lifts, lift;                               // islands[start]
@@ -76,13 +76,11 @@ class Multigrid {
 
  private:
   const gpu::Image& record_level(gpu::Commands& commands, std::size_t l, const gpu::Buffer& partials);
-  const gpu::Image& record_visit(gpu::Commands& commands, std::size_t l, const gpu::Image& start,
-                                 const gpu::Image& other, const gpu::Buffer& partials);
   const BrickList& walked(std::size_t l) const { return l == 0 ? columns_ : bricks(l); }
   glm::uvec3 walkers(std::size_t l) const { return l == 0 ? column_threads() : threads(l); }
   void record_smooth(gpu::Commands& commands, std::size_t l, const gpu::Pass& pass, float omega, const gpu::Image& from,
                      const gpu::Image& to, const gpu::Buffer& partials);
-  LevelPush push(std::size_t l, float omega = 0, float step = 0) const;
+  LevelPush push(std::size_t l, float omega = 0) const;
   void record_finest(gpu::Commands& commands);
   void record_roughness(gpu::Commands& commands);
   double drift();
@@ -93,8 +91,7 @@ class Multigrid {
   const DiffusionPasses& passes_;
   int channels_;
   CycleOptions options_;
-  std::vector<float> omegas_, visits_;  // factors of the smoothing steps, and of the visits to the first coarse level
-  gpu::Image kept_;                     // what the first of two visits brought
+  std::vector<float> omegas_;  // factors of the smoothing steps
   std::vector<MultigridLevel> levels_;
   BrickList columns_;
   gpu::Image pairs_;  // the finest stencil for the cycle: DIFFUSION_PAIRS along x

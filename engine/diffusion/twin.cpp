@@ -173,7 +173,6 @@ Multigrid::Multigrid(Operator finest, CycleOptions options) : options_(options) 
     for (Vector* v : {&level.x, &level.b, &level.r}) v->assign(level.a.grid.size(), 0.0);
   }
   omegas_ = chebyshev_omegas(smoothing.sweeps, smoothing.lowest);
-  visits_ = chebyshev_omegas(levels_.size() > 2 ? smoothing.visits : 1, options.visited);
   factor_coarsest();
 }
 
@@ -210,19 +209,6 @@ void Multigrid::smooth(Level& level, bool from_zero) {
   }
 }
 
-// x of level l for its b: one cycle, or two as the steps of a Chebyshev iteration.
-void Multigrid::solve_level(std::size_t l) {
-  cycle(l);
-  if (l != 1 || visits_.size() == 1) return;
-  Level& level = levels_[l];
-  Vector kept = level.x;
-  for (double& v : kept) v *= visits_[0];
-  level.in_cycle().apply(kept, level.r);
-  for (std::size_t i = 0; i < level.b.size(); ++i) level.b[i] -= level.r[i];
-  cycle(l);
-  for (std::size_t i = 0; i < level.x.size(); ++i) level.x[i] = kept[i] + visits_[1] * level.x[i];
-}
-
 void Multigrid::cycle(std::size_t l) {
   Level& level = levels_[l];
   if (l + 1 == levels_.size()) {
@@ -238,7 +224,7 @@ void Multigrid::cycle(std::size_t l) {
   level.in_cycle().apply(level.x, level.r);  // r = b - A x
   for (std::size_t i = 0; i < level.r.size(); ++i) level.r[i] = level.b[i] - level.r[i];
   interpolations_[l].restrict_to(level.r, levels_[l + 1].b);  // b' = P^T r
-  solve_level(l + 1);
+  cycle(l + 1);
   interpolations_[l].prolong_add(levels_[l + 1].x, level.x);  // x += P x'
   smooth(level, false);
 }

@@ -84,12 +84,11 @@ class Multigrid {
 
  private:
   void cycle(std::size_t l);
-  void solve_level(std::size_t l);
   void smooth(Level& level, bool from_zero);
   void factor_coarsest();
 
   CycleOptions options_;
-  std::vector<double> omegas_, visits_;
+  std::vector<double> omegas_;
   std::vector<Level> levels_;
   std::vector<Interpolation> interpolations_;
   std::vector<std::ptrdiff_t> coarsest_cells_;

@@ -79,7 +79,7 @@ struct LevelPush {
   ivec3 cells;         // of the level; in transfers and set-up of the finer one
   ivec3 coarse_cells;  // of the next coarser level
   float omega;         // smoothing factor
-  float step;          // of a visit to the level (renew.comp, combine.comp)
+  float step;          // of x, in blend.comp
 };
 
 struct WeightsPush {
