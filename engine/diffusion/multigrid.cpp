@@ -17,7 +17,8 @@ DiffusionPasses::DiffusionPasses(gpu::Context& c)
       rough{c, "diffusion/rough.comp", {1}},
       weights{{c, "diffusion/weights.comp", {0}}, {c, "diffusion/weights.comp", {1}}},
       deficits{{c, "diffusion/deficits.comp", {0}}, {c, "diffusion/deficits.comp", {1}}},
-      galerkin{{c, "diffusion/galerkin.comp", {0}}, {c, "diffusion/galerkin.comp", {1}}},
+      galerkin{{c, "diffusion/galerkin.comp", {0, 0}}, {c, "diffusion/galerkin.comp", {1, 0}}},
+      galerkin_own_row{{c, "diffusion/galerkin.comp", {0, 1}}, {c, "diffusion/galerkin.comp", {1, 1}}},
       smooth{{c, "diffusion/smooth.comp", {0, 0}}, {c, "diffusion/smooth.comp", {1, 0}}},
       smooth_dot{c, "diffusion/smooth.comp", {1, 1}},
       defect{{c, "diffusion/defect.comp", {0}}, {c, "diffusion/defect.comp", {1}}},
@@ -197,14 +198,20 @@ void Multigrid::set_up() {
       first += count;
     }
     record_row_sums(commands, l);
-    commands.dispatch(passes_.galerkin[finest], {coarse.bricks.count * 8, channels_, 5},
-                      {{"bricks", coarse.bricks.packed},
-                       {"stencil", level.stencil},
-                       {"diagonal", level.spare},
-                       {"weights", level.weights},
-                       {"row_sums", coarse.b},
-                       {"coarse_stencil", coarse.stencil}},
-                      push(l));
+    const auto galerkin = [&](const gpu::Pass& pass, std::uint32_t groups) {
+      commands.dispatch(pass, {coarse.bricks.count * 8, channels_, groups},
+                        {{"bricks", coarse.bricks.packed},
+                         {"stencil", level.stencil},
+                         {"diagonal", level.spare},
+                         {"weights", level.weights},
+                         {"row_sums", coarse.b},
+                         {"coarse_stencil", coarse.stencil}},
+                        push(l));
+    };
+    commands.concurrent([&] {
+      galerkin(passes_.galerkin[finest], 4);
+      galerkin(passes_.galerkin_own_row[finest], 1);
+    });
   }
   commands.submit();
   invert_coarsest();
@@ -306,7 +313,7 @@ const gpu::Image& Multigrid::record_level(gpu::Commands& commands, std::size_t l
     return level.x;
   }
   const bool finest = l == 0;
-  const gpu::Image *x = &level.x, *spare = &level.spare;  // x: the first smoothing step of b
+  const gpu::Image *x = &level.x, *spare = &level.spare;   // x: the first smoothing step of b
   auto smooth = [&](const gpu::Pass& pass, float omega) {  // x += omega D^-1 (b - A x)
     record_smooth(commands, l, pass, omega, *x, *spare, partials);
     std::swap(x, spare);

@@ -16,7 +16,7 @@ namespace alabaster {
 /// The solver's pipelines, made once a context.
 struct DiffusionPasses {
   explicit DiffusionPasses(gpu::Context& context);
-  gpu::Pass diagonals[2], pack, drift, rough, weights[2], deficits[2], galerkin[2];  // [finest]
+  gpu::Pass diagonals[2], pack, drift, rough, weights[2], deficits[2], galerkin[2], galerkin_own_row[2];  // [finest]
   gpu::Pass smooth[2], smooth_dot, defect[2], residual[2], restrict_residual, prolong, direct;
   gpu::Pass apply_dot, norm, update, start, direction[2], reduce;  // direction[deflated]
   gpu::Pass project, blend;                                        // history.h

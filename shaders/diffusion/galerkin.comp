@@ -1,11 +1,12 @@
 // The coarse operator P^T A P. An invocation has a texel of four coarse cells I and the three entries towards
-// I + (-1..1, D), D = (-1..1, -1), (-1, 0), (0, 0): workgroup z. Rows of fine cells d (as seen from 2 I), their
-// neighbours' rows d + e, and along x all that is within reach. The rows' sums are made apart (deficits.comp) and taken
-// over.
+// I + (-1..1, D), D = (-1..1, -1), (-1, 0): workgroup z. Rows of fine cells d (as seen from 2 I), their neighbours' rows
+// d + e, and along x all that is within reach. With own_row D = (0, 0), and only the entry to the left: the rows' sums
+// are made apart (deficits.comp) and taken over, the entry to the right is another texel's.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "diffusion/level.glsl"
 #include "diffusion/setup.glsl"
+layout(constant_id = 1) const int own_row = 0;  // a constant: a compiler leaves out what is not wanted
 layout(binding = 6, rgba32f) uniform writeonly image3D coarse_stencil;
 layout(binding = 7, rgba32f) uniform readonly image3D weights;
 layout(binding = 8, rgba32f) uniform readonly image3D row_sums;  // of the coarse operator
@@ -42,9 +43,9 @@ void add(Rows rows, vec4 couplings[3][3], ivec2 d, ivec2 j, int least, int most)
     for (int dx = -1; dx <= 1; ++dx) {
       int q = dx + ex;
       vec4 a = rows.within.y * own[dx + 1] * couplings[ex + 1][dx + 1];
-      if (abs(q) <= 1) sums[1] += a * other[q + 1];
+      if (own_row == 0 && abs(q) <= 1) sums[1] += a * other[q + 1];
       if (q <= -1) sums[0] += a * to_left[q + 2];
-      if (q >= 1) sums[2] += a * to_right[q - 1];
+      if (own_row == 0 && q >= 1) sums[2] += a * to_right[q - 1];
     }
 }
 
@@ -83,7 +84,7 @@ void add_across(Rows rows, ivec2 d, ivec2 e, ivec2 D) {
 
 void main() {
   ivec3 coarse = texel_of(push.coarse_cells.z);
-  int channel = channel_here(), nx4 = texels(push.coarse_cells.x), group = int(gl_WorkGroupID.z);
+  int channel = channel_here(), nx4 = texels(push.coarse_cells.x), group = own_row != 0 ? 4 : int(gl_WorkGroupID.z);
   if (coarse.x >= nx4) return;
   ivec2 D = ivec2(group % 3, group / 3) - 1;
   int layer = coarse.z - channel * push.coarse_cells.z;
@@ -102,8 +103,8 @@ void main() {
       }
     }
   }
-  bool last = group == 4;  // its middle entry is the row's sum, and the one to the right is the left one's
-  imageStore(coarse_stencil, coarse + 3 * group * nx4 * step_x, sums[0]);
-  imageStore(coarse_stencil, coarse + (3 * group + 1) * nx4 * step_x, last ? imageLoad(row_sums, coarse) : sums[1]);
-  if (!last) imageStore(coarse_stencil, coarse + (3 * group + 2) * nx4 * step_x, sums[2]);
+  ivec3 stored = coarse + 3 * group * nx4 * step_x;
+  imageStore(coarse_stencil, stored, sums[0]);
+  imageStore(coarse_stencil, stored + nx4 * step_x, own_row != 0 ? imageLoad(row_sums, coarse) : sums[1]);
+  if (own_row == 0) imageStore(coarse_stencil, stored + 2 * nx4 * step_x, sums[2]);
 }
